@@ -116,8 +116,18 @@ def dragging_after(instant: float, size: float = 1.0) -> Hidden:
 
 
 def presliding(size: float = 1.0) -> Hidden:
-    """A torque with memory: it takes a tenth of a radian to turn round."""
-    return Hidden(Cause(lost=lambda t, angle, rate, z: 60 * size * z, width=0.1), "law with memory")
+    """A torque that turns round in a tenth of a radian: no law of a state or a sense of motion."""
+    return Hidden(Cause(lost=lambda t, angle, rate, z: 60 * size * z, width=0.1), "none")
+
+
+def cable(size: float = 1.0) -> Hidden:
+    """A cable that drags against the motion, more so where it is bent."""
+    return Hidden(
+        Cause(lost=lambda t, angle, rate, z: size * tanh(rate / 0.03) * (30 + 60 * max(angle, 0.0))),
+        "law with memory",
+        "torque",
+        "angle",
+    )
 
 
 def warming(size: float = 1.0) -> Hidden:

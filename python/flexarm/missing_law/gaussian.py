@@ -86,6 +86,11 @@ class GaussianModel:
     @classmethod
     def of(cls, data: GaussianData, columns: Floats) -> GaussianModel:
         """Maximise (2) for A = columns, over a grid of s and v."""
+        return max(cls.likely(data, columns, 0.0), key=lambda each: each.log_evidence)
+
+    @classmethod
+    def likely(cls, data: GaussianData, columns: Floats, reach: float) -> list[GaussianModel]:
+        """Return the models of all s on a grid whose (2), at the best v, is within reach of the greatest."""
         n = len(data.y)
         a, y = data.projection.project(columns), data.projection.project(data.y)
         values, vectors = np.linalg.eigh(a.T @ a)
@@ -97,9 +102,18 @@ class GaussianModel:
         square = yy - np.sum(s2 * c**2 / (v + s2 * values), axis=2)
         logs = np.sum(np.log1p(s2 * values / v), axis=2)
         found = -0.5 * (n * np.log(v[:, :, 0]) + logs + square / v[:, :, 0])  # eq. (2)
-        i, j = np.unravel_index(int(np.argmax(found)), found.shape)
-        size = float(np.sqrt(s2[i, 0, 0]))
-        return cls(data, size * columns, float(v[0, j, 0]), float(found[i, j]))
+        best = np.argmax(found, axis=1)
+        greatest_found = found.max()
+        return [
+            cls(
+                data,
+                float(np.sqrt(s2[i, 0, 0])) * columns,
+                float(v[0, j, 0]),
+                float(found[i, j]),
+            )
+            for i, j in enumerate(best)
+            if found[i, j] >= greatest_found - reach
+        ]
 
     def _whitened(self) -> tuple[Floats, Floats]:
         """Return U and the Cholesky factor of 1 + U^T U."""

@@ -15,11 +15,12 @@ An offset of a sensor is a function of time for each of its channels; there J is
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import block_diag
 
+from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import Problem
@@ -93,16 +94,42 @@ def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[La
     from flexarm.diagnosis.candidate import with_members
 
     arm = with_members(fit.nuisance.arm, fit.members)
-    names = {joint for name in problem.records for joint in problem.simulations.drive(name, arm).joints}
-    for joint in (each.name for each in arm.moving_joints if each.name in names):
+    for joint in _likely_joints(problem, fit, arm, policy):
         try:
-            response = WindupResponse.of(problem, arm, joint, policy)
-            unit = "m" if slides(arm, joint) else "rad"
-            yield _inferred(joint, "windup", unit, problem, fit, response, policy)
+            found = _of_joint(joint, problem, fit, arm, policy)
         except FIT_ERRORS:
             continue
+        if found is not None:
+            yield found
     for signal in dict.fromkeys(rows.signal for rows in problem.rows):
         yield _offset(signal, problem, fit, policy)
+
+
+def _likely_joints(problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> list[str]:
+    """Return the driven joints; of many those whose coarse latent motion is the most likely."""
+    names = {joint for name in problem.records for joint in problem.simulations.drive(name, arm).joints}
+    joints = [each.name for each in arm.moving_joints if each.name in names]
+    if len(joints) <= policy.most_joints:
+        return joints
+    coarse = replace(policy, spacing=policy.pass_spacing, linearisations=0)
+    evidence = {}
+    for joint in joints:
+        try:
+            found = _of_joint(joint, problem, fit, arm, coarse)
+        except FIT_ERRORS:
+            continue
+        if found is not None:
+            evidence[joint] = found.model.log_evidence
+    return sorted(evidence, key=lambda joint: -evidence[joint])[: policy.most_joints]
+
+
+def _of_joint(joint: str, problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> Latent | None:
+    """Return the latent windup of a joint; None if the time for it ends."""
+    response = WindupResponse.of(problem, arm, joint, policy)
+    if response is None:
+        return None
+    unit = "m" if slides(arm, joint) else "rad"
+    return _inferred(joint, "windup", unit, problem, fit, response, policy)
 
 
 def _inferred(

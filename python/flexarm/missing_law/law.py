@@ -1,15 +1,17 @@
 r"""Laws: a latent motion as a function of a state of its joint.
 
-The values of the motion where spline coefficients act are those of a curve f over knots of the state y,
+The motion is the spline in time nearest to a curve f over knots of the state y,
 
-.. math:: c = N^{-1} H(y) f, \qquad f \sim N(0, s^2 K(\ell)), \qquad r \approx r_0 + J c + J_x x + e    (1)
+.. math:: c = (N^T N)^{-1} N^T H(y) f, \quad f \sim N(0, s^2 K(\ell)), \quad
+          r \approx r_0 + J c + J_x x + e                                                             (1)
 
-N interpolates by the splines in time, H linearly between knots, K is the Matern covariance of the knots. So
-a curve is inferred from the data, not from the latent motion. A *law* has one curve; a *law with memory* one
-for each sense of the motion; a *change* one before and one after an instant, in each record or once in one
-of them. Hyperparameters maximise the marginal likelihood; the kind and the state are decided by the
-predictive density of blocks left out (`gaussian`, eq. (3)): a curve learned on some data foretells the rest,
-with its own uncertainty. The probability of an instant is that of the evidence over all instants.
+N are the splines and y the state at instants much finer than their knots, H interpolates linearly between
+knots of the curve, K is the Matern covariance of these. So a curve is inferred from the data, not from the
+latent motion. A *law* has one curve; a *law with memory* one for each sense of the motion; a *change* one
+before and one after an instant, in each record or once in one of them. Hyperparameters maximise the marginal
+likelihood; the kind and the state are decided by the predictive density of blocks left out (`gaussian`,
+eq. (3)): a curve learned on some data foretells the rest, with its own uncertainty. The probability of an
+instant is that of the evidence over all instants.
 """
 
 from __future__ import annotations
@@ -20,6 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
+from scipy.sparse import block_diag as sparse_diagonal
+from scipy.sparse import csr_matrix
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Fit
@@ -31,6 +35,8 @@ from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.states import States
 
 Mask = NDArray[np.bool_]
+SIGNED = ("rate", "torque")
+"""States whose sign matters: friction and play change near zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +103,39 @@ def _after(time: Floats, record: np.ndarray, instant: float, only: int) -> Mask:
     return np.asarray((record > only) | ((record == only) & (time >= instant)) | (record < 0))
 
 
+def knots_over(of: str, y: Floats, policy: LawPolicy) -> Floats:
+    r"""Return the knots of a curve over a state, shape (k,); of signed states they are dense at zero.
+
+    .. math:: x = \sinh(u)/c, \quad c = \sinh(a)/\max |y|
+    """
+    beyond = float(np.ptp(y)) / policy.curve_knots
+    low, high = float(y.min()) - beyond, float(y.max()) + beyond
+    if of not in SIGNED:
+        return np.linspace(low, high, policy.curve_knots)
+    c = np.sinh(policy.dense) / max(-low, high)
+    return np.asarray(np.sinh(np.linspace(np.arcsinh(c * low), np.arcsinh(c * high), policy.curve_knots)) / c)
+
+
+def curve_matern(count: int, length: float) -> Floats:
+    """Return a root of the Matern covariance of knots, which are one apart over their range."""
+    return matern_root(np.linspace(0.0, 1.0, count), length)
+
+
+def _interpolation(y: Floats, knots: Floats) -> csr_matrix:
+    """Return H of (1), shape (len(y), len(knots)), held beyond the knots."""
+    held = np.clip(y, knots[0], knots[-1])
+    below = np.clip(np.searchsorted(knots, held, side="right") - 1, 0, len(knots) - 2)
+    above = (held - knots[below]) / (knots[below + 1] - knots[below])
+    rows = np.arange(len(y))
+    return csr_matrix(
+        (
+            np.concatenate([1 - above, above]),
+            (np.concatenate([rows, rows]), np.concatenate([below, below + 1])),
+        ),
+        shape=(len(y), len(knots)),
+    )
+
+
 def blocks_of(problem: Problem, policy: LawPolicy) -> list[NDArray[np.intp]]:
     """Return rows of blocks of time, all signals of a record together."""
     found = []
@@ -118,8 +157,10 @@ class LawSearch:
         self.latent, self.states, self.policy = latent, states, policy
         self.blocks = blocks_of(problem, policy)
         bases = latent.response.bases.values()
-        inverse = block_diag(*(np.linalg.inv(basis.at(basis.places)) for basis in bases))
+        splines = [basis.at(basis.fine(policy)) for basis in bases]
+        inverse = block_diag(*(np.linalg.inv(each.T @ each) for each in splines))
         self.response = (latent.response.jacobian / noise_scale(problem, fit)[:, None]) @ inverse
+        self.splines = sparse_diagonal(splines).tocsr()
         self.explained = max(self.left_without - latent.model.left(), 1e-300)
 
     @property
@@ -129,10 +170,7 @@ class LawSearch:
 
     def motion(self) -> Floats:
         """Return the latent motion where states are known, shape (m,)."""
-        response = self.latent.response
-        assert response is not None
-        parts = response.parts(self.latent.mean)
-        return np.concatenate([basis.at(basis.places) @ parts[k] for k, basis in response.bases.items()])
+        return np.asarray(self.splines @ self.latent.mean)
 
     def share(self, law: Law) -> float:
         """Part of what the latent motion explains that a law explains [-]."""
@@ -183,11 +221,11 @@ class LawSearch:
 
     def _model(self, of: str, masks: Sequence[Mask], length: float) -> tuple[GaussianModel, Floats, Floats]:
         y = self.states.values[of]
-        beyond = float(np.ptp(y)) / self.policy.curve_knots
-        knots = np.linspace(y.min() - beyond, y.max() + beyond, self.policy.curve_knots)
-        between = np.stack([np.interp(y, knots, unit) for unit in np.eye(len(knots))], axis=1)
-        design = np.column_stack([mask[:, None] * between for mask in masks])
-        root = block_diag(*[matern_root(knots, length * float(np.ptp(knots)))] * len(masks))
+        knots = knots_over(of, y, self.policy)
+        between = _interpolation(y, knots)
+        parts = [(self.splines.T @ between.multiply(mask[:, None])).toarray() for mask in masks]
+        design = np.column_stack(parts)
+        root = block_diag(*[curve_matern(len(knots), length)] * len(masks))
         columns = self.response @ (design @ root)
         model = GaussianModel.of(self.latent.data, columns)
         return model, root * size_of(model, columns), knots

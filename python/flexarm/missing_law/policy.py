@@ -19,12 +19,22 @@ class LawPolicy:
     """Time step of linear responses [s]: a mode of 3 Hz is 0.8 % slow, and the residual itself is exact."""
     perturbation: float = 1e-3
     """Perturbation of a drive for a difference quotient [rad, m], above where Newton's iterations stop."""
+    batch: int = 8
+    """Runs at a time, over the simulations at once [1], after which the budget of time is looked at."""
+    most_joints: int = 3
+    """Joints whose latent motion is inferred [1]: the best ones of a linear pass over all."""
+    pass_spacing: float = 0.4
+    """Distance of knots in time in that pass [s]: a quarter of the runs, without another linearisation."""
     linearisations: int = 2
     """Times that the residual is simulated about the latent motion [1]."""
     curve_knots: int = 41
     """Knots of a curve over its state [1]: a peak a tenth of the range wide has four."""
+    dense: float = 2.5
+    """Density a of knots at zero of rate or torque [-]: at the ends they are cosh a as far apart."""
     curve_lengths: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0)
     """Correlation lengths of a curve over the range of its state [-]."""
+    samples: int = 8
+    """States for each interval of knots in time [1]: what changes its sign does so at an instant."""
     blocks: int = 8
     """Blocks a record of cross-validation [1]: longer than what a smooth latent motion bridges."""
     instants: int = 40
@@ -33,12 +43,16 @@ class LawPolicy:
     """Difference of log evidence that decides [-]: odds of 400."""
     least_share: float = 0.5
     """Part of what the latent motion explains [-] that a law explains."""
+    clear_share: float = 0.9
+    """The same [-] from which a curve is told though a motion in time foretells the linear data better."""
     memory_share: float = 0.02
     """The same [-] that two branches, or an instant, explain beyond one curve."""
     shape_error: float = 0.1
     """Rms difference from a known shape over the peak [-] up to which a curve has that shape."""
     most_laws: int = 4
     """Laws that are reported [1]."""
+    line: float = 3.0
+    """Prior deviation of a straight part of a curve over the size of the rest [-]: wide."""
     refits: int = 4
     """Most Gauss-Newton steps of the knots of a law through the simulation [1]."""
     rest: float = 1.0
@@ -47,6 +61,8 @@ class LawPolicy:
     """Perturbation of a law for a difference quotient over its peak [-]: larger than its wiggles."""
     least_mode: float = 1e-3
     """Size of the least mode of a curve that is fitted, over that of the greatest one [-]."""
+    adequate_noise: float = 1.5
+    """Variance over that of the noise [-] up to which one curve leaves nothing for two."""
     least_closed: float = 0.1
     """Part of the held-out gap [-] that a law of the updated model closes: more than a new draw of noise."""
     window: float = 0.2

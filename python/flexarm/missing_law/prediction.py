@@ -84,17 +84,18 @@ def _runs(
     count = max(int((run.time[-1] - run.time[0]) / np.diff(latent.bases[0].places).max()), 4)
     edges = np.linspace(run.time[0], run.time[-1], count + 1)
     basis = TimeBasis(np.concatenate([[edges[0]] * 3, edges, [edges[-1]] * 3]))
+    fine = basis.fine(policy)
     window = max(int(policy.window / float(np.median(np.diff(run.time)))), 1)
     for _ in range(policy.rounds):
         states = states_of(run, joint, run.time, arm.joint(joint).gear_ratio)
         slow = {
             key: np.interp(
-                basis.places,
+                fine,
                 run.time,
                 values if key == "motor_angle" else uniform_filter1d(values, window, mode="nearest"),
             )
             for key, values in states.items()
         }
-        motion = basis.interpolating(law.values(slow, basis.places, number))
+        motion = basis.nearest(fine, law.values(slow, fine, number))
         run = runs.driven(name, arm, {joint: added(drive, basis.polynomial(motion))}).simulation
     return plain, run

@@ -5,8 +5,10 @@ A law is the effect `tabulated_law` of a model, f its values at the knots. About
 .. math:: r \approx r_0 + J_f (f - f_0) + J_z (z - z_0) + J_x x + e, \quad
           f \sim N(0, s^2 K(\ell)), \quad x \sim N(0, \sigma^2)                                         (1)
 
-z are parameters of found effects with a flat prior, x nuisance parameters. Size s, length l and noise
-maximise the marginal likelihood (`gaussian`). The mean of (1) is the next model, unless it raises
+z are parameters of found effects with a flat prior, x nuisance parameters. K is a Matern covariance plus
+that of any straight line [Rasmussen2006, 2.7], which clocks and loads imitate: without it a small s would be
+taken for knowledge of these. Sizes s and lengths l count by their marginal likelihood (`gaussian`), which the
+noise v maximises. The mean of (1) is the next model, unless it raises
 
 .. math:: \Phi = (|r|^2 + |x/\sigma|^2)/v + |L^{-1} f|^2, \quad s^2 K = L L^T                            (2)
 
@@ -22,13 +24,14 @@ slopes that are no smooth function of its values, and tangents there hold for ne
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
@@ -36,8 +39,9 @@ from flexarm.diagnosis.parameters import members_at
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.uncertainty import WITHIN, Estimates, estimates_at
 from flexarm.effects.tabulated_law import TabulatedLaw
-from flexarm.missing_law.gaussian import GaussianData, GaussianModel, matern_root
+from flexarm.missing_law.gaussian import GaussianData, GaussianModel
 from flexarm.missing_law.latent import noise_scale, nuisance_projection, size_of
+from flexarm.missing_law.law import curve_matern
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.named_effects import Estimate
 
@@ -50,7 +54,7 @@ class FittedLaw:
     ----------
     law : TabulatedLaw
         With the posterior mean of its values.
-    root : ndarray, shape (k, k)
+    root : ndarray, shape (k, ...)
         A root of their covariance.
     model : GaussianModel
         Eq. (1) about the model before the last step.
@@ -90,6 +94,8 @@ def fitted_law(estimator: Estimator, fit: Fit, law: TabulatedLaw, policy: LawPol
     here = _Linearised.about(start, (*fit.members, _member(law)), policy)
     step = here.step(policy)
     for _ in range(policy.refits):
+        if not allows("a missing law was fitted until it rests"):
+            break
         moved = here.towards(step, policy)
         if moved is None:
             break
@@ -104,15 +110,26 @@ def _member(law: TabulatedLaw) -> Candidate:
     return Candidate(law, (), (), {})
 
 
+def curve_root(knots: Floats, length: float, policy: LawPolicy) -> Floats:
+    """Return a root of K of (1), for a length over the range of the knots, shape (k, k + 2)."""
+    across = 2 * (knots - knots[0]) / (knots[-1] - knots[0]) - 1
+    line = policy.line * np.column_stack([np.ones_like(across), across])
+    return np.column_stack([curve_matern(len(knots), length), line])
+
+
 def smooth_modes(knots: Floats, policy: LawPolicy) -> Floats:
     """Return orthonormal columns that span the priors of all lengths, shape (k, m)."""
-    roots = [matern_root(knots, length * float(np.ptp(knots))) for length in policy.curve_lengths]
+    roots = [curve_root(knots, length, policy) for length in policy.curve_lengths]
     vectors, sizes, _ = np.linalg.svd(np.hstack(roots), full_matrices=False)
     return np.asarray(vectors[:, sizes > policy.least_mode * sizes[0]])
 
 
 def law_jacobian(
-    problem: Problem, model: Callable[[Floats], Arm], values: Floats, modes: Floats, policy: LawPolicy
+    problem: Problem,
+    model: Callable[[Floats], Arm],
+    values: Floats,
+    modes: Floats,
+    policy: LawPolicy,
 ) -> Floats:
     """Return (3), shape (n, m), for the model of the values of a law."""
     size = policy.law_step * float(np.abs(values).max())
@@ -123,21 +140,63 @@ def law_jacobian(
 
 
 @dataclass(frozen=True, eq=False)
+class _Mixture:
+    """Posterior of (1) over all likely sizes and lengths of the prior, each with the weight of its evidence.
+
+    Attributes
+    ----------
+    model, prior : GaussianModel and ndarray
+        The most likely one, and its L of (2).
+    values, root : ndarray, shapes (k,) and (k, ...)
+        Mean of f and a root of its covariance.
+    nuisance, deviation : ndarray, shape (m,)
+        Of z - z_0 and x.
+    """
+
+    model: GaussianModel
+    prior: Floats
+    values: Floats
+    root: Floats
+    nuisance: Floats
+    deviation: Floats
+
+    @classmethod
+    def of(cls, tried: Sequence[tuple[GaussianModel, Floats]]) -> _Mixture:
+        """Return the mixture of models with their L."""
+        model, prior = max(tried, key=lambda each: each[0].log_evidence)
+        weight = np.exp([each.log_evidence - model.log_evidence for each, _ in tried])
+        weight /= weight.sum()
+        curves = [
+            (root @ mean, root @ spread) for root, (mean, spread) in ((r, m.posterior()) for m, r in tried)
+        ]
+        beside = [each.nuisance_posterior() for each, _ in tried]
+        values = np.sum([w * value for w, (value, _) in zip(weight, curves, strict=True)], axis=0)
+        nuisance = np.sum([w * x for w, (x, _) in zip(weight, beside, strict=True)], axis=0)
+        root = np.column_stack(
+            [
+                np.sqrt(w) * np.column_stack([spread, value - values])
+                for w, (value, spread) in zip(weight, curves, strict=True)
+            ]
+        )
+        square = [w * (std**2 + (x - nuisance) ** 2) for w, (x, std) in zip(weight, beside, strict=True)]
+        return cls(model, prior, values, root, nuisance, np.sqrt(np.sum(square, axis=0)))
+
+
+@dataclass(frozen=True, eq=False)
 class _Step:
     """Mean of (1) about a model.
 
     Attributes
     ----------
-    model, prior : GaussianModel and ndarray
-        Eq. (1), and L of (2).
+    mixture : _Mixture
+        Posterior of (1).
     values, z, x : ndarray
         f, parameters of found effects, nuisance parameters.
     moves : float
         Squared change of the residual over its noise.
     """
 
-    model: GaussianModel
-    prior: Floats
+    mixture: _Mixture
     values: Floats
     z: Floats
     x: Floats
@@ -151,7 +210,11 @@ class _Step:
         """Return a part of the step from a model."""
         values, z, x = (
             old + t * (new - old)
-            for old, new in zip((here.values, here.fit.z, here.x), (self.values, self.z, self.x), strict=True)
+            for old, new in zip(
+                (here.values, here.fit.z, here.x),
+                (self.values, self.z, self.x),
+                strict=True,
+            )
         )
         return replace(self, values=values, z=z, x=x)
 
@@ -213,21 +276,25 @@ class _Linearised:
         data = GaussianData(y, projection)
         tried = []
         for length in policy.curve_lengths:
-            root = self.modes @ (self.modes.T @ matern_root(knots, length * float(np.ptp(knots))))
-            tried.append((GaussianModel.of(data, jacobian @ root), root))
-        model, root = max(tried, key=lambda each: each[0].log_evidence)
-        prior = root * size_of(model, jacobian @ root)
-        values = prior @ model.posterior()[0]
-        beside = model.nuisance_posterior()[0]
+            root = self.modes @ (self.modes.T @ curve_root(knots, length, policy))
+            columns = jacobian @ root
+            for model in GaussianModel.likely(data, columns, estimator.problem.policy.reach):
+                tried.append((model, root * size_of(model, columns)))
+        mixture = _Mixture.of(tried)
+        beside = mixture.nuisance
+        values = mixture.values
         dz, x = np.split(beside, [len(self.fit.z)])
         moves = jacobian @ (values - self.values)
         moves += projection.jacobian @ np.concatenate([dz, x - self.x])
-        return _Step(model, prior, values, self.fit.z + dz, x, float(moves @ moves))
+        return _Step(mixture, values, self.fit.z + dz, x, float(moves @ moves))
 
     def members(self, step: _Step) -> tuple[Candidate, ...]:
         """Return the members with the values of a step."""
         law = self.law.replace(value=tuple(step.values.tolist()))
-        return (*members_at(self.fit.members, self.fit.parameters, step.z)[:-1], _member(law))
+        return (
+            *members_at(self.fit.members, self.fit.parameters, step.z)[:-1],
+            _member(law),
+        )
 
     def moved(self, step: _Step) -> Estimator:
         """Return the estimator about the nuisance parameters of a step."""
@@ -242,8 +309,8 @@ class _Linearised:
         there = self.moved(step).residual(self.members(step))
         rest = (there + self.fit.projection.jacobian @ step.x) / self.scale
         pulls = step.x / self.fit.nuisance.sigma
-        latent = np.linalg.lstsq(step.prior, step.values, rcond=None)[0]
-        return float((rest @ rest + pulls @ pulls) / step.model.noise + latent @ latent)  # eq. (2)
+        latent = np.linalg.lstsq(step.mixture.prior, step.values, rcond=None)[0]
+        return float((rest @ rest + pulls @ pulls) / step.mixture.model.noise + latent @ latent)  # eq. (2)
 
     def towards(self, step: _Step, policy: LawPolicy) -> _Linearised | None:
         """Return the model after a step, halved until (2) falls; None if it does not."""
@@ -262,14 +329,20 @@ class _Linearised:
         members = self.members(step)
         law = members[-1].effect
         assert isinstance(law, TabulatedLaw)
-        root = step.prior @ step.model.posterior()[1]
+        root = step.mixture.root
         change = self.jacobian @ (step.values - self.values) * self.scale
         change += self.fit.jacobian @ (step.z - self.fit.z)
         fit = replace(self.fit, members=members, z=step.z, residual=self.fit.residual + change)
-        sizes = estimates_at(fit, step.model.nuisance_posterior()[1])
+        sizes = estimates_at(fit, step.mixture.deviation)
         spread = np.linalg.norm(root, axis=1)
         knots = tuple(
             Estimate(name, value, std, value - WITHIN * std, value + WITHIN * std, unit)
             for (name, value, unit), std in zip(law.parameters(), spread.tolist(), strict=True)
         )
-        return FittedLaw(law, root, step.model, fit, replace(sizes, effects=[*sizes.effects[:-1], knots]))
+        return FittedLaw(
+            law,
+            root,
+            step.mixture.model,
+            fit,
+            replace(sizes, effects=[*sizes.effects[:-1], knots]),
+        )

@@ -81,6 +81,10 @@ class _Told:
     def evidence(self) -> float:
         return 0.0 if self.added is None else self.added.fitted.model.log_evidence
 
+    @property
+    def noise(self) -> float:
+        return np.inf if self.added is None else self.added.fitted.model.noise
+
 
 def missing_laws(
     estimator: Estimator, fits: Sequence[Fit], check: LawCheck, policy: LawPolicy | None = None
@@ -177,32 +181,46 @@ class _About:
         in_time = curve_in_time(latent, probability)
         if latent.response is None:
             return [_Told(in_time)]
-        search = LawSearch(latent, joint_states(latent), self.problem, self.fit, self.policy)
+        search = LawSearch(latent, joint_states(latent, self.policy), self.problem, self.fit, self.policy)
         best = search.best()[0]
         in_blocks = latent.model.predictive(search.blocks)
         share = search.share(best)
-        if share < self.policy.least_share or best.predictive < in_blocks - self.policy.evidence:
+        foretells = best.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share
+        if share < self.policy.least_share or not foretells:
             slow = latent.length >= max(self.policy.lengths)
             kind: LawKind = "time" if slow and in_blocks > best.predictive else "none"
             what = (
                 "drifts with time" if kind == "time" else f"follows no state: {best.of} explains {share:.0%}"
             )
             return [_Told(replace(in_time, kind=kind, says=f"the windup of {latent.at} {what}"))]
-        curves = [curve_of_law(latent, search, best, self.policy)]
-        stiffness = stiffness_of(latent)
-        if best.of != "torque" and stiffness:
-            curves.insert(0, as_torque(curves[0], stiffness))
-        told = list(self._fitted(latent, best, curves)) or self._along_states(latent, best, curves)
+        told = self._as_table(latent, search, best) or self._along_states(latent, search, best)
         shares = _shares([each.evidence for each in told], 1.0)
         return [
             replace(each, curve=replace(each.curve, probability=probability * share))
             for each, share in zip(told, shares, strict=True)
         ]
 
-    def _along_states(self, latent: Latent, law: Law, curves: Sequence[LawCurve]) -> list[_Told]:
+    def _as_table(self, latent: Latent, search: LawSearch, best: Law) -> list[_Told]:
+        """Return the law of a state, fitted through the simulation; also in place of two curves, if it leaves
+        noise alone.
+        """
+        law = best if best.kind == "law" else search.law(best.of)
+        if search.share(law) < self.policy.least_share:
+            return []
+        told = list(self._fitted(latent, law, self._curves(latent, search, law)))
+        alone = best.kind == "law"
+        return [each for each in told if alone or each.noise < self.policy.adequate_noise]
+
+    def _curves(self, latent: Latent, search: LawSearch, law: Law) -> list[LawCurve]:
+        """Return a law as a windup and, of other states than torque, as a torque that is lost."""
+        curve, stiffness = curve_of_law(latent, search, law, self.policy), stiffness_of(latent)
+        return [as_torque(curve, stiffness), curve] if law.of != "torque" and stiffness else [curve]
+
+    def _along_states(self, latent: Latent, search: LawSearch, law: Law) -> list[_Told]:
         """Return laws that are no part of a model, with the gap that they leave along their states."""
         held_out = self.check.bench.held_out
         train, held = gaps_with_law(latent, law, self.problem, held_out, self.check.signal, self.policy)
+        curves = self._curves(latent, search, law)
         return [_Told(replace(each, train=train, held_out=held)) for each in curves]
 
     def _fitted(self, latent: Latent, law: Law, curves: Sequence[LawCurve]) -> Iterator[_Told]:

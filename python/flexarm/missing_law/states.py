@@ -9,6 +9,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.missing_law.latent import Latent
+from flexarm.missing_law.policy import LawPolicy
 
 if TYPE_CHECKING:
     from flexarm.simulation import Simulation
@@ -19,7 +20,7 @@ STATES = ("torque", "angle", "rate", "motor_angle")
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """States of a joint where the coefficients of a latent motion act.
+    """States of a joint along its runs.
 
     Attributes
     ----------
@@ -57,20 +58,23 @@ def states_of(run: Simulation, joint: str, time: Floats, gear_ratio: float | Non
     return found
 
 
-def joint_states(latent: Latent) -> States:
-    """Return the states of the joint along the runs with its latent motion."""
+def joint_states(latent: Latent, policy: LawPolicy) -> States:
+    """Return the states of the joint along the runs with its latent motion, at the `fine` instants."""
     response = latent.response
     assert response is not None
     joint = response.arm.joint(latent.at)
     parts = response.parts(latent.mean)
     found: dict[str, list[Floats]] = {}
-    for name, basis in response.bases.items():
+    times = [basis.fine(policy) for basis in response.bases.values()]
+    for (name, basis), time in zip(response.bases.items(), times, strict=True):
         run = response.run(name, parts[name]).simulation
-        for key, values in states_of(run, latent.at, basis.places, joint.gear_ratio).items():
-            found.setdefault(key, []).append(values)
+        followed = states_of(run, latent.at, basis.places, joint.gear_ratio)
+        for key, values in states_of(run, latent.at, time, joint.gear_ratio).items():
+            if key in followed:
+                found.setdefault(key, []).append(values)
     count = len(response.bases)
     return States(
-        np.repeat(np.arange(count), [len(basis) for basis in response.bases.values()]),
-        np.concatenate([basis.places for basis in response.bases.values()]),
+        np.repeat(np.arange(count), [len(time) for time in times]),
+        np.concatenate(times),
         {key: np.concatenate(each) for key, each in found.items() if len(each) == count},
     )

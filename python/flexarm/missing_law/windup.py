@@ -26,6 +26,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.budget import allows
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.diagnosis.problem import Problem
 from flexarm.drive import JointDrive
@@ -75,9 +76,15 @@ class TimeBasis:
         inside = np.clip(time, self.knots[0], self.knots[-1])
         return np.asarray(BSpline.design_matrix(inside, self.knots, DEGREE).toarray())
 
-    def interpolating(self, values: Floats) -> Floats:
-        """Return coefficients of splines through values at `places`, shapes (m, ...)."""
-        return np.asarray(np.linalg.solve(self.at(self.places), values))
+    def fine(self, policy: LawPolicy) -> Floats:
+        """Return instants that sample each interval of knots [s]."""
+        count = policy.samples * (len(self) - DEGREE)
+        return np.linspace(self.knots[0], self.knots[-1], count + 1)
+
+    def nearest(self, time: Floats, values: Floats) -> Floats:
+        """Return coefficients of the splines nearest to values at instants, in the mean square."""
+        at = self.at(time)
+        return np.asarray(np.linalg.solve(at.T @ at, at.T @ values))
 
     def polynomial(self, coefficients: Floats) -> PPoly:
         """Return w as a piecewise polynomial."""
@@ -132,8 +139,8 @@ class WindupResponse:
     jacobian: Floats
 
     @classmethod
-    def of(cls, problem: Problem, arm: Arm, joint: str, policy: LawPolicy) -> WindupResponse:
-        """Simulate (2), `jobs` runs at once."""
+    def of(cls, problem: Problem, arm: Arm, joint: str, policy: LawPolicy) -> WindupResponse | None:
+        """Simulate (2), `jobs` runs at once; None if the time for it ends."""
         coarse = problem.with_step(policy.response_step)
         bases = {name: _basis(problem, arm, name, policy) for name in problem.records}
         first = dict(zip(bases, np.cumsum([0, *map(len, bases.values())]), strict=False))
@@ -151,7 +158,11 @@ class WindupResponse:
             found[:, first[name] + j] = (after - nothing) / policy.perturbation  # eq. (2)
 
         runs = [which for name, basis in bases.items() for which in product([name], range(len(basis)))]
-        at_once(column, runs, problem.jobs)
+        batch = policy.batch * problem.jobs
+        for k in range(0, len(runs), batch):
+            if not allows(f"the missing motion of {joint} was sought"):
+                return None
+            at_once(column, runs[k : k + batch], problem.jobs)
         return cls(problem, arm, joint, bases, found)
 
     def parts(self, coefficients: Floats) -> dict[str, Floats]:

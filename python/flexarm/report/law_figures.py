@@ -25,12 +25,13 @@ def laws(d: Diagnosis) -> Figure | None:
         return None
     figure, axes = sheet(1, len(shown), 2.6, between=(0.7, 0.0))
     for ax, law in zip(axes[0], shown, strict=True):
-        _draw(ax, law)
+        draw_law(ax, law)
     legend_below(figure, axes[0, 0])
     return figure
 
 
-def _draw(ax: Axes, law: LawCurve) -> None:
+def draw_law(ax: Axes, law: LawCurve) -> None:
+    """Draw a curve with its band, and the latent motion over its state."""
     factor, unit = scale(law.value, law.unit)
     value, low, high = (factor * np.array(each) for each in (law.value, law.low90, law.high90))
     if law.cloud_x:
