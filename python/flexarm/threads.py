@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import cache
 from importlib import _bootstrap
 from typing import TypeVar
@@ -42,6 +43,15 @@ def _others_import() -> bool:
     locks = [reference() for reference in list(getattr(_bootstrap, "_module_locks", {}).values())]
     owners = {getattr(lock, "owner", None) for lock in locks}
     return bool(owners - {None, threading.get_ident()})
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Keep linear algebra to one thread: it is small here, and threads that wait for it burn their cores."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(limits=1, user_api="blas"):
+        yield
 
 
 Given = TypeVar("Given")

@@ -10,6 +10,10 @@ namespace {
 // Coordinates without mass get this part of the largest one: they take next to no force, and (2) stays
 // regular.
 constexpr double nearly_massless = 1e-12;
+// Refinement ends at this part of the solution and of 1 m/s²; A is factored anew above this rate, or after so
+// many steps.
+constexpr double refined = 1e-10, slow_contraction = 0.25;
+constexpr int most_refinements = 8;
 
 template <int D>
 const Eigen::SparseMatrix<double>& masses_and_constraints(const assembly::SystemIn<D>& system,
@@ -32,7 +36,9 @@ ConsistentForcesIn<D>::ConsistentForcesIn(const assembly::SystemIn<D>& system)
       none_(system, false),
       changes_(system, none_, false),
       c_(system.n_constraints()),
-      change_(VectorXd::Zero(system.n_unknowns())) {}
+      change_(VectorXd::Zero(system.n_unknowns())),
+      r_(system.n_velocities()),
+      phi_(system.n_constraints()) {}
 
 template <int D>
 void ConsistentForcesIn<D>::find_massless(const assembly::StateIn<D>& state) {
@@ -45,32 +51,71 @@ void ConsistentForcesIn<D>::find_massless(const assembly::StateIn<D>& state) {
 }
 
 template <int D>
-void ConsistentForcesIn<D>::make_factor(const assembly::StateIn<D>& state) {
-  const bool follows = changes_.follows_constraints();
-  if (factored_ && follows) return;
+void ConsistentForcesIn<D>::factor(const assembly::StateIn<D>& state) {
   if (massless_.size() == 0) find_massless(state);
   const Eigen::SparseMatrix<double>& A = masses_and_constraints(system_, matrix_, state, scale_);
   const bool all_massive = massless_.nonZeros() == 0;
-  const Eigen::SparseMatrix<double>& regular = all_massive ? A : (regular_ = A + massless_);
-  factored_ = follows ? kept_.factor(regular) : factor_.factor(regular);
+  factored_ = kept_.factor(all_massive ? A : (regular_ = A + massless_));
   if (!factored_) {
     throw NotConverged("forces of the joints: the matrix of masses and constraints is singular", state.t, 0,
                        0);
   }
-  if (follows) {
-    const VectorXd no_laws = system_.no_law_tangents();
-    changes_.keep(state, {1, 0, 0, scale_}, no_laws, kept_.by_substitution());
+  const VectorXd no_laws = system_.no_law_tangents();
+  changes_.keep(state, {1, 0, 0, scale_}, no_laws, kept_.by_substitution());
+}
+
+/// x := A₀⁻¹ x with the joints that turned since. @param again in this state
+template <int D>
+void ConsistentForcesIn<D>::substitute(const assembly::StateIn<D>& state, VectorXd& x, bool again) {
+  kept_.solve(x);
+  changes_.correct(state, x, again);
+}
+
+/// Equation of motion and accelerations of the constraints, linear in v̇ and λ by A.
+template <int D>
+void ConsistentForcesIn<D>::evaluate(const assembly::StateIn<D>& state, VectorXd& sides) {
+  system_.evaluate(state, {}, r_, phi_);
+  system_.constraint_acceleration(state, c_);
+  sides.head(system_.n_free()) = r_.head(system_.n_free());
+  sides.tail(c_.size()) = scale_ * c_;
+}
+
+/// Equation (3). @return false where it contracts slowly
+template <int D>
+bool ConsistentForcesIn<D>::refine(const assembly::StateIn<D>& state, const VectorXd& b, VectorXd& x) {
+  VectorXd here(x.size()), dx(x.size());
+  evaluate(state, here);
+  double last = x.norm();
+  const double tolerance = refined * (1 + last);
+  for (int k = 0; k < most_refinements; ++k) {
+    moved_ = state;
+    moved_.v_dot.head(system_.n_free()) += x.head(system_.n_free());
+    moved_.multipliers += scale_ * x.tail(c_.size());
+    evaluate(moved_, dx);
+    dx = b - (dx - here) - massless_ * x;
+    substitute(state, dx, true);
+    const double size = dx.norm();
+    x += dx;
+    if (size < tolerance) return true;
+    if (size > slow_contraction * last) return false;
+    last = size;
   }
+  return false;
 }
 
 template <int D>
 void ConsistentForcesIn<D>::solve(const assembly::StateIn<D>& state, VectorXd& x) {
-  if (!changes_.follows_constraints()) {
-    factor_.solve(x);
+  if (!factored_) factor(state);
+  if (changes_.follows_constraints()) {
+    substitute(state, x);
     return;
   }
-  kept_.solve(x);
-  changes_.correct(state, x);
+  const VectorXd b = x;
+  substitute(state, x);
+  if (refine(state, b, x)) return;
+  factor(state);
+  x = b;
+  substitute(state, x);
 }
 
 template <int D>
@@ -78,7 +123,6 @@ const assembly::StateIn<D>& ConsistentForcesIn<D>::of(const assembly::StateIn<D>
   system_.constraint_acceleration(state, c_);
   change_.setZero();
   if (c_.isZero(0)) return state;  // at rest
-  make_factor(state);
   change_.tail(c_.size()) = -scale_ * c_;
   solve(state, change_);  // eq. (2)
   consistent_ = state;

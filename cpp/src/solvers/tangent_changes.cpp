@@ -1,5 +1,6 @@
 #include "flexarm/solvers/tangent_changes.hpp"
 
+#include <algorithm>
 #include <array>
 #include <type_traits>
 
@@ -75,7 +76,11 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds) {
     joints_.push_back({static_cast<int>(k), welds.row(first_row), parent.row, P, on_parent});
   }
   if (joints_.size() <= most_turning_joints) return;
-  joints_.clear();
+  // The hinges of springs turn by what gives way: the kept factor serves them as it is.
+  std::ranges::stable_partition(joints_, [&](const TurningJoint& joint) {
+    return !system_.is_free(system_.constraints()[joint.constraint].coordinate());
+  });
+  joints_.resize(most_turning_joints);
   follows_constraints_ = false;
 }
 

@@ -119,6 +119,7 @@ def _simulate(arm: Arm, record: Record, step: float, alpha: float) -> Any:
     if rings_freely(record):
         return simulate_free_vibration(arm, record, step)
     quantities = {signal.quantity for signal in record.signals.values()}
+    require_known_drive(record)
     drive = Drive.from_record(record, arm)
     return simulate(
         arm,
@@ -131,8 +132,8 @@ def _simulate(arm: Arm, record: Record, step: float, alpha: float) -> Any:
     )
 
 
-def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
-    """Return the last instant of all stamps, less delays of their clocks, and three sigma more.
+def require_known_drive(record: Record) -> None:
+    """Refuse a record that shows what its drive does not.
 
     Raises
     ------
@@ -141,6 +142,10 @@ def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
     """
     for problem in (*disjoint_clocks(record), *unknown_motion(record)):
         raise InvalidParameter(problem.what, where=problem.where)
+
+
+def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
+    """Return the last instant of all stamps, less delays of their clocks, and three sigma more [s]."""
     own = record.clocks[drive_clock(record)].offset
     ends = []
     for signal in record.signals.values():

@@ -21,7 +21,7 @@ from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joi
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import explained_share, log_bayes_factor
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
-from flexarm.diagnosis.moves.registry import ELSEWHERE, FORWARD, SETS
+from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS
 from flexarm.diagnosis.moves.search_state import Move, SearchState
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
 from flexarm.diagnosis.ranking import best_of
@@ -121,7 +121,9 @@ def enlarged(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Esti
 
     None if there is no candidate.
     """
-    criteria, found = state.criteria, proposed(state, FORWARD, best, about)
+    criteria = state.criteria
+    moves = CONFLICT if criteria.adequate(best if best.members else state.null) else FORWARD
+    found = proposed(state, moves, best, about)
     if not found:
         return None
     better, there = best_proposed(state, about, found, best)

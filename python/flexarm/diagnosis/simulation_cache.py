@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arm import Arm
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
-from flexarm.comparison.aligned_record import end_of_simulation
+from flexarm.comparison.aligned_record import end_of_simulation, require_known_drive
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
@@ -131,6 +131,7 @@ class SimulationCache:
         record = self.records[name]
         key = (name, _driving(record, arm))
         if key not in self._drives:
+            require_known_drive(record)
             self._drives[key] = Drive.from_record(record, arm)
         return self._drives[key]
 

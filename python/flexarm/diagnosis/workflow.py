@@ -54,6 +54,7 @@ from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
 from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.search import MissingLaws, missing_laws, replaced_effects
 from flexarm.named_effects import NamedEffect
+from flexarm.threads import one_blas_thread
 from flexarm.validation.finding import ValidationResult
 from flexarm.validation.sensor_check import check, clean_records, named_records
 

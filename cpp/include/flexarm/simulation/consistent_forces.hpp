@@ -10,11 +10,18 @@
 ///
 /// of the order of positions and velocities, and without memory: with c = Φ_q v̇ + γ
 ///
-///     [M  Φ_qᵀ; Φ_q  0] (w − v̇, λ̃ − λ) = −(0, c)                                                     (2)
+///     A (w − v̇, λ̃ − λ) = −(0, c),   A = [M  Φ_qᵀ; Φ_q  0]                                            (2)
 ///
 /// Internal forces are those of the positions and stay as they are. Derivatives by a parameter follow from
 /// the difference of (2) in its two models. `TransientOptions::consistent_forces` leaves it out.
-/// Sources: [Geradin2001], [Arnold2015]; docs/theory.md, section "Time stepping".
+///
+/// One factorisation A₀ serves (2) while the arm moves. Where solvers/tangent_changes.hpp does not follow
+/// every turned joint, the solution is refined [Golub2013],
+///
+///     x ← x + A₀⁻¹ (b − A x)                                                                         (3)
+///
+/// and A₀ is made anew where that contracts slowly.
+/// Sources: [Geradin2001], [Arnold2015], [Golub2013]; docs/theory.md, section "Time stepping".
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -46,7 +53,10 @@ class ConsistentForcesIn {
 
  private:
   void find_massless(const assembly::StateIn<D>& state);
-  void make_factor(const assembly::StateIn<D>& state);
+  void factor(const assembly::StateIn<D>& state);
+  void substitute(const assembly::StateIn<D>& state, VectorXd& x, bool again = false);
+  bool refine(const assembly::StateIn<D>& state, const VectorXd& b, VectorXd& x);
+  void evaluate(const assembly::StateIn<D>& state, VectorXd& sides);
 
   const assembly::SystemIn<D>& system_;
   double scale_;
@@ -56,10 +66,9 @@ class ConsistentForcesIn {
   const solvers::WeldsIn<D> none_;        // rigid joints have their multipliers
   solvers::TangentChangesIn<D> changes_;
   bool factored_ = false;
-  solvers::KeptFactor kept_;      // where changes_ follow the state,
-  solvers::SparseFactor factor_;  // otherwise made anew
-  VectorXd c_, change_;
-  assembly::StateIn<D> consistent_;
+  solvers::KeptFactor kept_;
+  VectorXd c_, change_, r_, phi_;
+  assembly::StateIn<D> consistent_, moved_;
 };
 
 /// The same, and derivatives of w and λ̃ with respect to parameters.

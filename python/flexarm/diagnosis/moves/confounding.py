@@ -74,21 +74,32 @@ class Takeover:
 
 
 def confounding(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
-    """Propose effects in the place of nuisance parameters in conflict; sizes count from stated values."""
+    """Propose effects in the place of nuisance parameters in conflict, unless another explains everything.
+
+    Sizes count from stated values.
+    """
+    if any(state.criteria.explains(fit) for fit in found):
+        return []
     here, at = (best, about) if best.members else (state.null, state.about_null)
-    return taken_over(at, state.probed, here)
+    near = state.criteria.early_stop(found, here, state.criteria.policy.halfway)
+    return taken_over(at, state.probed, here, near)
 
 
-def taken_over(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Fit]:
+def taken_over(estimator: Estimator, probed: Sequence[Probed], best: Fit, near: float = inf) -> list[Fit]:
     """Fits of what could take over what unknowns of `best` are strained to do, beside its effects.
 
-    Where others must make room, derivatives at the start lead nowhere; then they are taken anew, unless
-    another fit is better than `best` already. A fit that stays above another one is not finished.
+    Derivatives are taken anew only about a fit that comes `near` others with those at hand. Where others must
+    make room, derivatives at the start lead nowhere; then they are taken once more, unless another fit is
+    better than `best` already. A fit that stays above another one is not finished.
     """
     found, lowest = [], inf
     for each in takeovers(estimator, probed, best):
         with suppress(*FIT_ERRORS):
             members = (*best.members, _matched(estimator, each, best))
+            if near < inf:
+                there = estimator.moved_to(dict.fromkeys(each.values, 0.0))
+                if there.fit(members, limit=near, nearby=best).cost > near:
+                    continue
             fit = estimator.as_stated(each.values, members).fit(members, limit=lowest, nearby=best)
             if fit.cost > best.cost and lowest > best.cost:
                 fit = estimator.about(fit).fit(fit.members, limit=lowest, nearby=fit)

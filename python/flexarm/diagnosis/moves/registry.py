@@ -9,8 +9,10 @@ from flexarm.diagnosis.moves.proposals import pairs, singles, triples
 from flexarm.diagnosis.moves.search_state import Move
 from flexarm.diagnosis.moves.springs import spring_swap, twin_spring
 
-FORWARD: Mapping[str, Move] = {"confounding": confounding, "singles": singles, "twin_spring": twin_spring}
+FORWARD: Mapping[str, Move] = {"singles": singles, "twin_spring": twin_spring, "confounding": confounding}
 """They add an effect."""
+CONFLICT: Mapping[str, Move] = {"confounding": confounding, "singles": singles, "twin_spring": twin_spring}
+"""The same where nothing but a conflict with priors is left."""
 SETS: Mapping[str, Move] = {"pairs": pairs, "triples": triples}
 """They compete with a single effect, which is the model that they get."""
 ELSEWHERE: Mapping[str, Move] = {"spring_swap": spring_swap}
