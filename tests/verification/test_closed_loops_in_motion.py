@@ -112,6 +112,7 @@ def test_the_loop_stays_closed_and_its_energy_stays():
     for step in (2e-3, 1e-3):
         run = let_go("C", step)
         assert np.abs(run.position[:, 0] - run.position[:, 1]).max() < 1e-9
+        assert run.solver["redundant_conditions"] == 3
         balance = run.kinetic + run.elastic + run.gravity + run.damped - run.work
         left.append(np.abs(balance - balance[0]).max() / np.ptp(run.kinetic))
     assert left[1] < 1e-4

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from math import atan2, cos, hypot, pi, sin, sqrt
 
 import loops
@@ -10,7 +11,8 @@ import pytest
 from pytest import approx
 
 import flexarm
-from flexarm.effects import JointCompliance
+from flexarm.cli.run import run
+from flexarm.effects import BaseTilt, CableTorque, JointCompliance, LinkLength
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.record.signal import Signal
@@ -76,10 +78,10 @@ def test_the_same_crane_is_closed_by_other_joints(kind):
     assert found.position[0] == approx(flexarm.static(arm, {"piston": 0.4}).position[0], abs=1e-10)
 
 
-@pytest.mark.parametrize("angle", [-0.7, 0.0, 0.4, 1.3])
-def test_a_parallelogram_keeps_its_hand_level(angle):
-    """Two cranks of one length: the hand moves on a circle and does not turn."""
-    arm = flexarm.Arm.from_dict(
+def parallelogram(pin: tuple[float, float], **more) -> flexarm.Arm:
+    """Two cranks of 1 m and a hand; the upper crank's pin is beside the lower's."""
+    x, z = pin
+    return flexarm.Arm.from_dict(
         {
             "links": [
                 loops.bar("lower", 1.0, 4.0),
@@ -88,18 +90,53 @@ def test_a_parallelogram_keeps_its_hand_level(angle):
             ],
             "joints": [
                 loops.hinge("shoulder", "base", "lower"),
-                loops.hinge("guide", "base", "upper", (0.05, 0, 0.3)),
+                loops.hinge("guide", "base", "upper", (x, 0, z)),
                 loops.hinge("wrist", "lower", "hand", (1, 0, 0)),
             ],
-            "closures": [loops.pin("eye", "upper", (1, 0, 0), "hand", (0.05, 0, 0.3))],
+            "closures": [loops.pin("eye", "upper", (1, 0, 0), "hand", (x, 0, z))],
             "points": [{"name": "tip", "link": "hand", "position": [0.5, 0, 0]}],
+            **more,
         }
     )
+
+
+@pytest.mark.parametrize("angle", [-0.7, 0.0, 0.4, 1.3])
+def test_a_parallelogram_keeps_its_hand_level(angle):
+    """Two cranks of one length: the hand moves on a circle and does not turn."""
+    arm = parallelogram((0.05, 0.3))
     found = flexarm.static(arm, {"shoulder": angle})
     assert found.position[0] == approx([cos(angle) + 0.5, 0, sin(angle)], abs=1e-12)
     assert found.rotation[0] == approx(np.eye(3), abs=1e-12)
     torque = G * cos(angle) * (4 / 2 + 3 / 2 + 2)  # whole weights at their lever arms
     assert found.joint_torque[0] == approx(torque, rel=1e-9)
+
+
+def test_a_flat_parallelogram_keeps_its_branch_and_refuses_the_pose_in_line():
+    """With all bars in line the loop could go on as an antiparallelogram; its forces are not determined."""
+    bent = {"shoulder": 0.5, "guide": 0.5, "wrist": -0.5}
+    for more in ({}, {"assembly": bent}):
+        arm = parallelogram((0.5, 0.0), **more)
+        for angle in (0.6, -1.0):
+            found = flexarm.static(arm, {"shoulder": angle})
+            assert found.link_angle == approx([angle, angle, -angle], abs=1e-9)
+        with pytest.raises(InvalidParameter, match="singular at this pose"):
+            flexarm.static(arm, {"shoulder": 0.0})
+
+
+def test_two_props_of_a_rigid_bar_share_its_weight_by_their_levers():
+    """Of all forces with a F_1 + b F_2 = M the smallest are M a/(a^2 + b^2) and M b/(a^2 + b^2)."""
+    props = [loops.pin(f"prop{x}", "base", (x, 0, 0), "bar", (x, 0, 0), "spherical") for x in (1.0, 2.0)]
+    for i, prop in enumerate(props):
+        prop["name"] = f"prop_{i}"
+    hinged = {"links": [loops.bar("bar", 2.0, 10.0)], "closures": props}
+    arm = flexarm.Arm.from_dict({**hinged, "joints": [loops.hinge("wall", "base", "bar")]})
+    found = flexarm.static(arm)
+    assert found.closure_force[:, 2] == approx([10 * G / 5, 10 * G * 2 / 5], rel=1e-12)
+    assert found.solver["redundant_conditions"] == 5
+    wall = {"name": "wall", "type": "fixed", "parent": "base", "child": "bar"}
+    held = flexarm.static(flexarm.Arm.from_dict({**hinged, "joints": [wall]}))
+    assert held.closure_force == approx(np.zeros((2, 6)))
+    assert held.solver["redundant_conditions"] == 6
 
 
 def test_a_slider_crank_slides_as_the_textbook_says():
@@ -270,3 +307,71 @@ def test_a_model_with_closures_is_written_and_read(tmp_path):
     arm = loops.four_bar("C", assembly=loops.assembled("C", 0.9))
     arm.to_toml(tmp_path / "four_bar.toml")
     assert flexarm.Arm.from_toml(tmp_path / "four_bar.toml") == arm
+
+
+def test_a_longer_beam_takes_its_closure_along():
+    """The eye keeps its fraction of the boom's length, as payloads do."""
+    boom = loops.beam("boom", 3.0, side=0.2)
+    longer = flexarm.static(loops.crane(boom).with_effect(LinkLength(at="boom", error=0.3)), {"piston": 0.4})
+    other = loops.crane(loops.beam("boom", 3.3, side=0.2)).to_dict()
+    other["closures"][0]["b_origin"]["xyz"][0] *= 1.1
+    for table in ("payloads", "points"):
+        other[table][0]["position"][0] *= 1.1
+    made = flexarm.static(flexarm.Arm.from_dict(other), {"piston": 0.4})
+    assert longer.position[0] == approx(made.position[0], abs=1e-10)
+    assert longer.joint_torque == approx(made.joint_torque, rel=1e-9, abs=1e-6)
+
+
+def test_effects_at_closures_are_refused_by_name():
+    """Laws do not act at a closure yet; a joint of the loop takes them."""
+    with pytest.raises(InvalidParameter, match="'rod_eye' is a closure; effects act at joints of the tree"):
+        loops.crane().with_effect(CableTorque(at="rod_eye", stiffness=1.0))
+
+
+def test_a_loop_through_a_gear_follows_its_shaft():
+    """A crank geared to a motor's shaft stands at a third of its angle, whichever of the two is told."""
+    arm = loops.four_bar("C", assembly=loops.assembled("C", 0.9)).to_dict()
+    arm["links"].append(loops.bar("shaft", 0.1, 0.0) | {"com": [0, 0, 0], "inertia": [0, 0, 0]})
+    arm["joints"].append(loops.hinge("shaft", "base", "shaft"))
+    arm["gears"] = [{"name": "reducer", "input": "shaft", "output": "A", "ratio": 3.0}]
+    arm["assembly"]["shaft"] = 2.7
+    geared = flexarm.Arm.from_dict(arm)
+    direct = flexarm.static(loops.four_bar("C", assembly=loops.assembled("C", 0.9)), {"A": 1.1})
+    for told in ({"shaft": 3.3}, {"A": 1.1}):
+        found = flexarm.static(geared, told)
+        assert found.position == approx(direct.position, abs=1e-10)
+        assert found.joint_torque[0] == approx(direct.joint_torque[0], rel=1e-8)
+
+
+def test_a_tilted_base_carries_the_loop_along():
+    """Closures to the base tilt with it: nothing changes but gravity's direction."""
+    tilt = 0.2
+    arm = loops.four_bar("D", assembly=loops.assembled("D", 0.9))
+    tilted = flexarm.static(arm.with_effect(BaseTilt(at="base", angle=[0, tilt])), {"A": 0.9})
+    turned = arm.replace(gravity=(G * sin(tilt), 0.0, -G * cos(tilt)))
+    assert tilted.joint_torque == approx(flexarm.static(turned, {"A": 0.9}).joint_torque, rel=1e-9, abs=1e-9)
+
+
+def test_check_tells_where_loops_close(capsys, tmp_path):
+    """Pose, repeated conditions, and an error with exit code 2 where a loop stays open."""
+    model = tmp_path / "crane.toml"
+    loops.crane().to_toml(model)
+    assert run(["check", str(model), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["loops"]["redundant_conditions"] == 3
+    assert told["loops"]["assembled"]["boom_pin"] == approx(
+        boom_angle(told["loops"]["assembled"]["piston"]), abs=1e-9
+    )
+    arm = loops.crane().to_dict()
+    arm["closures"][0]["b_origin"]["xyz"][1] = 0.02
+    flexarm.Arm.from_dict(arm).to_toml(model)
+    assert run(["check", str(model)]) == 2
+    assert "cannot be closed: 0.02 m apart at the nearest" in capsys.readouterr().err
+
+
+def test_a_page_shows_the_closed_loop(tmp_path):
+    """The model and its equilibrium."""
+    arm = loops.crane()
+    arm.view().save(tmp_path / "crane.html")
+    flexarm.static(arm, {"piston": 0.4}).view().save(tmp_path / "static.html")
+    assert "rod_eye" in (tmp_path / "crane.html").read_text(encoding="utf-8")

@@ -28,8 +28,15 @@ constexpr int most_steps = 100;
 constexpr double met = 1e-11;
 // Singular values below this part of the largest are zero. Exact repetitions leave 1e-12 of it.
 constexpr double rank_tolerance = 1e-8;
+// The same where joints are driven: near a pose in line, which Newton's method reaches to 1e-6 only, forces
+// have less than this of the leverage that they need.
+constexpr double least_leverage = 1e-5;
 // Other poses to start from, ever further away: up to half a turn.
 constexpr int most_tries = 40;
+// Poses near the first one that are asked for the rank of the conditions, too: where links are in line some
+// repeat only there. Joints differ by up to the second number [rad, parts of the reach].
+constexpr int most_neighbours = 3;
+constexpr double neighbourhood = 0.1;
 // Driven joints move from where the loop was closed first in steps up to this, so that it stays closed the
 // same way [rad, parts of the reach].
 constexpr double drive_step = 0.1;
@@ -95,8 +102,8 @@ VectorXd System::loop_gap(const std::vector<double>& joint_values) const {
 MatrixXd System::loop_jacobian(const std::vector<double>& joint_values,
                                const std::vector<int>& unknowns) const {
   const State state = placed(joint_values);
-  const auto n = static_cast<Eigen::Index>(unknowns.size());
-  MatrixXd G = MatrixXd::Zero(loop_gap(joint_values).size(), n);
+  const auto columns = static_cast<Eigen::Index>(unknowns.size());
+  MatrixXd G = MatrixXd::Zero(loop_gap(joint_values).size(), columns);
   int row = 0;
   for (std::size_t k = 0; k < closures_.size(); ++k) {
     const joints::ClosureConstraint& closure = closures_[k];
@@ -119,13 +126,13 @@ MatrixXd System::loop_jacobian(const std::vector<double>& joint_values,
   for (const model::Gear& gear : arm_.gears) {
     const int in = joint_index(gear.input), out = joint_index(gear.output);
     if (!in_loop_[in]) continue;
-    for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index i = 0; i < columns; ++i) {
       if (unknowns[i] == in) G(row, i) += reach_;
       if (unknowns[i] == out) G(row, i) -= reach_ * gear.ratio;
     }
     ++row;
   }
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Eigen::Index i = 0; i < columns; ++i) {
     if (arm_.joints[unknowns[i]].type == joints::JointType::prismatic) G.col(i) *= reach_;
   }
   return G;
@@ -141,6 +148,16 @@ bool System::right_way(const std::vector<double>& joint_values) const {
 }
 
 namespace {
+
+/// Random values near others of some joints.
+std::vector<double> beside(const model::Arm& arm, std::vector<double> values, const std::vector<int>& joints,
+                           double reach, std::mt19937& generator) {
+  std::uniform_real_distribution<double> any(-neighbourhood, neighbourhood);
+  for (const int j : joints) {
+    values[j] += any(generator) * (arm.joints[j].type == joints::JointType::prismatic ? reach : 1.0);
+  }
+  return values;
+}
 
 Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposed(const MatrixXd& G) {
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> qr;
@@ -233,6 +250,7 @@ void System::refuse(const std::vector<double>& nearest, const std::vector<int>& 
 /// Orthonormal combinations of the closures' rows that the other constraints hold already. @param all_joints
 /// may move, also those that are driven
 MatrixXd System::held_by_others(const State& state, bool all_joints) const {
+  if (closures_.rows() == 0) return MatrixXd(0, 0);
   const int columns = all_joints ? n_velocities() : n_free();
   const auto counts = [&](int scalar) { return scalar >= 0 && (all_joints || is_free(scalar)); };
   VectorXd length = VectorXd::Constant(columns, 1 / reach_);  // rotations in parts of the reach
@@ -272,7 +290,7 @@ MatrixXd System::held_by_others(const State& state, bool all_joints) const {
   for (int pass = 0; pass < 2; ++pass)  // once more against rounding
     R -= J.transpose() * MatrixXd(factor.solve(MatrixXd(J * R)));
   const auto [values, vectors] = dense::right_singular(R);
-  const Eigen::Index rank = (values.array() > rank_tolerance).count();
+  const Eigen::Index rank = (values.array() > (all_joints ? rank_tolerance : least_leverage)).count();
   return vectors.rightCols(vectors.cols() - rank);
 }
 
@@ -310,13 +328,8 @@ void System::close_loops() {
 
   MatrixXd N = held_by_others(placed(assembled_), true);
   std::mt19937 generator(1);
-  for (int k = 0; k < 3 && N.cols() > 0; ++k) {  // where links are in line conditions repeat only there
-    std::uniform_real_distribution<double> any(-0.1, 0.1);
-    std::vector<double> values = assembled_;
-    for (const int j : joints) {
-      values[j] += any(generator) * (arm_.joints[j].type == joints::JointType::prismatic ? reach_ : 1.0);
-    }
-    const Closed nearby = newton(values, joints);
+  for (int k = 0; k < most_neighbours && N.cols() > 0; ++k) {
+    const Closed nearby = newton(beside(arm_, assembled_, joints, reach_, generator), joints);
     if (!nearby.met) continue;
     const MatrixXd other = held_by_others(placed(nearby.values), true);
     if (other.cols() < N.cols()) N = other;
@@ -373,13 +386,25 @@ std::vector<double> System::closed(const std::vector<double>& joint_values) cons
 std::vector<int> System::joints_to_hold(const std::vector<int>& held,
                                         const std::vector<int>& candidates) const {
   if (closures_.empty()) return {};
-  std::vector<int> unknowns, hold;
+  std::vector<int> joints, unknowns, hold;
   for (int j = 0; j < static_cast<int>(in_loop_.size()); ++j) {
     const bool stands = std::find(held.begin(), held.end(), j) != held.end();
-    if (in_loop_[j] && joint_coordinates_[j].phi >= 0 && !stands) unknowns.push_back(j);
+    if (!in_loop_[j] || joint_coordinates_[j].phi < 0) continue;
+    joints.push_back(j);
+    if (!stands) unknowns.push_back(j);
+  }
+  std::vector<std::vector<double>> poses = {assembled_};
+  std::mt19937 generator(1);
+  for (int k = 0; k < most_neighbours; ++k) {
+    const Closed nearby = newton(beside(arm_, assembled_, joints, reach_, generator), joints);
+    if (nearby.met) poses.push_back(nearby.values);
   }
   const auto rank = [&](const std::vector<int>& of) {
-    return of.empty() ? 0 : decomposed(loop_jacobian(assembled_, of)).rank();
+    Eigen::Index most = 0;
+    for (const std::vector<double>& pose : poses) {
+      if (!of.empty()) most = std::max(most, decomposed(loop_jacobian(pose, of)).rank());
+    }
+    return most;
   };
   const Eigen::Index needed = rank(unknowns);
   for (const int j : candidates) {

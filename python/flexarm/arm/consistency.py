@@ -197,6 +197,13 @@ def _closures(arm: Arm) -> Found:
                 ("closures", i, "b"),
                 f"is on {link_of(closure.b)!r} as a is; a closure ties two links, or a link and the base",
             )
+    joints = {joint.name for joint in arm.joints}
+    for i, closure in enumerate(arm.closures):
+        if closure.name in joints:
+            yield (
+                ("closures", i, "name"),
+                f"{closure.name!r} is the name of a joint; the two must differ",
+            )
     moving = {joint.name: None for joint in arm.joints if joint.moves}
     for name in arm.assembly:
         if name not in moving:
@@ -250,10 +257,14 @@ def _drives(arm: Arm) -> Found:
 
 def _effects(arm: Arm) -> Found:
     names = {kind: places(arm, kind) for kind in {effect.place for effect in arm.effects}}
+    closures = {closure.name for closure in arm.closures}
     for i, effect in enumerate(arm.effects):
         known = names[effect.place]
         if known is not None and effect.at not in known:
             kind = "moving joint" if effect.place == "joint" else effect.place
-            yield ("effects", i, "at"), missing(kind, effect.at, known)
+            what = missing(kind, effect.at, known)
+            if effect.at in closures:
+                what = f"{effect.at!r} is a closure; effects act at joints of the tree, so cut elsewhere"
+            yield ("effects", i, "at"), what
         else:
             yield from ((("effects", i, key), what) for key, what in effect.problems(arm))

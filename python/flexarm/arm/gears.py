@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
     from flexarm.arm.joint import Gear
 
 
@@ -27,3 +28,11 @@ def shaft_ratio(joint: str | None, gears: Sequence[Gear]) -> float:
             others = [*gears[:k], *gears[k + 1 :]]
             found = max(found, abs(gear.ratio) * shaft_ratio(gear.output, others))
     return found
+
+
+def gear_input(arm: Arm, joint: str) -> str:
+    """Return the joint whose drive moves a joint: itself, or at the input of its gears."""
+    inputs = {gear.output: gear.input for gear in arm.gears}
+    while joint in inputs:
+        joint = inputs[joint]
+    return joint

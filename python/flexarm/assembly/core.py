@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexarm import _core
 from flexarm.arm import Arm, Closure
+from flexarm.arm.gears import gear_input
 from flexarm.arm.inertia import inertia_matrix
 from flexarm.arm.joint import Joint
 from flexarm.arm.link import Beam, RigidLink, SuperElementLink
@@ -99,8 +100,7 @@ def assemble(
     core = core_arm(arm, loaded, nominal=nominal)
     if not arm.closures:
         return _core.System(core, {**kinds, **given})
-    following = loops_of(arm).following({*given, *driven})
-    kinds |= dict.fromkeys(following, _core.DriveKind.free)
+    kinds |= dict.fromkeys(following_joints(arm, given, driven), _core.DriveKind.free)
     return _core.System(core, {**kinds, **given})
 
 
@@ -113,7 +113,26 @@ def loops_of(arm: Arm) -> Loops:
     InvalidParameter
         If a loop cannot be closed.
     """
-    return Loops.of(arm, _core.System(core_arm(arm), {}))
+    turned = {gear.output: _core.DriveKind.free for gear in arm.gears}
+    return Loops.of(arm, _core.System(core_arm(arm), turned))
+
+
+def following_joints(arm: Arm, drives: Iterable[str], driven: Iterable[str]) -> tuple[str, ...]:
+    """Return the joints of loops that follow when these are driven, at the motors that gears couple to them.
+
+    Parameters
+    ----------
+    arm : Arm
+        The model.
+    drives : iterable of str
+        Joints that are driven themselves.
+    driven : iterable of str
+        Joints whose motor is held, at the input of their gears.
+    """
+    if not arm.closures:
+        return ()
+    told = set(drives)
+    return loops_of(arm).following({*told, *(gear_input(arm, name) for name in driven if name not in told)})
 
 
 def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
@@ -282,7 +301,8 @@ def _closure(closure: Closure, machine: Machine) -> _core.Closure:
     origins = {}
     for end, place in (("a", closure.a), ("b", closure.b)):
         origin = getattr(closure, f"{end}_origin")
-        frame: Frame = (from_rpy(origin.rpy), origin.xyz)
+        at = machine.ends.get((closure.name, end))
+        frame: Frame = (from_rpy(origin.rpy), origin.xyz if at is None else at.position)
         rotation, position = chained(tilt, frame) if place == "base" else frame
         origins[end] = _core.Frame(np.array(rotation), np.array(position))
     return _core.Closure(

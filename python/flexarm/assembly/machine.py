@@ -118,7 +118,8 @@ class Base:
 class Machine:
     """An arm's data, by name, in the order of the model; `arm` is the model itself.
 
-    `mounts` are hinges between a joint and its parent, axes in the joint's frame.
+    `mounts` are hinges between a joint and its parent, axes in the joint's frame. `ends` are the places of
+    closures by their name and "a" or "b", without those measured from the far end of a beam.
     """
 
     arm: Arm
@@ -128,6 +129,7 @@ class Machine:
     links: dict[str, Member]
     points: dict[str, Place]
     base: Base
+    ends: dict[tuple[str, str], Place] = field(default_factory=dict)
 
     def mount(self, joint: str, springs: Iterable[Spring]) -> None:
         """Put hinges between a joint and its parent, one behind the other."""
@@ -155,4 +157,13 @@ def nominal_machine(arm: Arm) -> Machine:
         links={link.name: Member(link) for link in arm.links},
         points={point.name: Place(point.link, point.position) for point in arm.points},
         base=Base(),
+        ends={
+            (closure.name, end): Place(link, origin.xyz)
+            for closure in arm.closures
+            for end, link, at, origin in (
+                ("a", closure.a, closure.a_at, closure.a_origin),
+                ("b", closure.b, closure.b_at, closure.b_origin),
+            )
+            if at == "start"
+        },
     )

@@ -57,6 +57,7 @@ class LinkLength(Effect):
         beam = member.table
         assert isinstance(beam, Beam)
         carried: list[Load | Place] = [*machine.payloads.values(), *machine.points.values()]
+        carried += machine.ends.values()
         for place in carried:
             if place.link == self.at:
                 place.position = self._followed(beam, place.position)

@@ -22,6 +22,7 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arm.closure import refuse_closures
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values
 from flexarm.linear.modal_form import Mechanics, modal_form
@@ -100,6 +101,7 @@ def free_motion(arm: Arm, joints: Mapping[str, float], count: int) -> FreeMotion
     NotConverged
         If there is no stable equilibrium.
     """
+    refuse_closures(arm, "a free vibration")
     held = assemble(arm)
     values = joint_values(arm, joints)
     at = _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(arm.gravity)))

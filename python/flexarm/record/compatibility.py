@@ -138,6 +138,8 @@ def with_payload_masses(arm: Arm, masses: Mapping[str, float]) -> Arm:
 
 def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
     seen = [signal for signal in record.of_quantity("position").values() if signal.valid.any()]
+    if arm.closures:  # where joints that follow stand is not known here
+        return
     limit = workspace_radius(record, arm) if seen else 0.0
     for signal in seen if limit else []:
         span = float(np.max(np.nanmax(signal.values, axis=0) - np.nanmin(signal.values, axis=0)))

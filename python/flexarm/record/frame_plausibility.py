@@ -54,6 +54,8 @@ def frame_problems(record: Record, arm: Arm) -> Iterable[Problem]:
 
 
 def _loose(record: Record, arm: Arm, frame: Frame) -> Iterable[str]:
+    if arm.closures:  # where joints that follow stand is not known here
+        return
     size = farthest_point(record, arm)
     if frame.translation > LOOSE * size > 0:
         what = f"is {frame.translation:g} m (1 sigma), the arm reaches {size:.3g} m; it is in m, not in mm"
@@ -61,6 +63,8 @@ def _loose(record: Record, arm: Arm, frame: Frame) -> Iterable[str]:
 
 
 def _beyond(record: Record, arm: Arm, frame: Frame, seen: Sequence[Signal]) -> Iterable[str]:
+    if arm.closures:
+        return
     limit = workspace_radius(record, arm)
     far, signal = max((_far(signal, frame), signal.name) for signal in seen)
     if far > BEYOND * limit + SURE * frame.translation:

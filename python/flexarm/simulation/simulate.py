@@ -8,6 +8,7 @@ from flexarm import _core
 from flexarm.arguments import ARM, DRIVE, FLAG, NAMES, NUMBER, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
+from flexarm.assembly import loops_of
 from flexarm.drive import Drive
 from flexarm.drive.lag import as_followed, lagging
 from flexarm.record import Record
@@ -136,4 +137,6 @@ def simulate(
     with reported(progress, run.arm.name) as report:
         found = differentiated(run, wanted, redrive, report) if wanted else solved(run, report)
     found.solver["drive_sha256"] = run.drive.sha256()
+    if run.arm.closures:
+        found.solver["redundant_conditions"] = loops_of(run.arm).redundant
     return found

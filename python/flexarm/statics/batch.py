@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arm.gears import gear_input
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats
-from flexarm.assembly import assemble, joint_values, loops_of, point_loads
+from flexarm.assembly import assemble, following_joints, joint_values, point_loads
 from flexarm.sensitivity import Sensitivities, collected, varied
 from flexarm.statics.backlash_derivative import require_backlash_derivative
 
@@ -102,12 +103,12 @@ class StaticsBatch:
         differentiated: Collection[str] = SEEN,
         driven: Collection[str] = (),
     ) -> None:
-        held = {_input_of(arm, name): _core.DriveKind.motor_angle for name in turned}
+        held = {gear_input(arm, name): _core.DriveKind.motor_angle for name in turned}
         held |= {name: _core.DriveKind.link_angle for name in at_link}
         points = tuple(loaded)
         self.arm, self.differentiated = arm, tuple(differentiated)
         self.system = assemble(arm, held, points, driven)
-        self._following = loops_of(arm).following({*held, *driven}) if arm.closures else ()
+        self._following = following_joints(arm, held, driven)
         self.parameters: tuple[Parameter, ...] = parameters(arm, sensitivities)
         self._beside, self._places = varied(arm, self.parameters, lambda other: assemble(other, held, points))
 
@@ -204,14 +205,6 @@ class StaticsBatch:
                 above, below = (joint_values(self.arm, side) for side in (each.above, each.below))
                 found[:, k] = np.subtract(above, below) / (each.up - each.down)
         return found
-
-
-def _input_of(arm: Arm, joint: str) -> str:
-    """Return the joint whose drive moves a joint: itself, or at the input of its gears."""
-    inputs = {gear.output: gear.input for gear in arm.gears}
-    while joint in inputs:
-        joint = inputs[joint]
-    return joint
 
 
 def positions(system: _core.System, state: _core.State, count: int) -> Floats:
