@@ -41,6 +41,21 @@ void bind_assembly(py::module_& m) {
       .def_property_readonly("n_nodes", &System::n_nodes)
       .def_property_readonly("n_unknowns", &System::n_unknowns)
       .def_property_readonly("mass", &System::mass, "Mass of everything [kg].")
+      .def_property_readonly("assembled", &System::assembled,
+                             "Joint values at which loops were closed first; empty without closures.")
+      .def_property_readonly(
+          "redundant", [](const System& system) { return system.closures().redundant(); },
+          "Conditions of closures that others repeat.")
+      .def(
+          "in_loop",
+          [](const System& system, int joint) {
+            checks::index("joint", joint, system.joints().size());
+            return system.in_loop(joint);
+          },
+          "True for a joint of a loop.", py::arg("joint"))
+      .def("joints_to_hold", &System::joints_to_hold,
+           "Candidates that must be held so that the loops cannot move.", py::arg("held"),
+           py::arg("candidates"))
       .def("rigid_state", &System::rigid_state, "The undeformed arm.", py::arg("joint_values"))
       .def(
           "point_frame",

@@ -101,13 +101,40 @@ void bind_model(py::module_& m) {
                   double phase) { return Pedestal{std::move(hinges), axis, amplitude, frequency, phase}; }),
            py::kw_only(), py::arg("hinges"), py::arg("axis"), py::arg("amplitude") = 0.0,
            py::arg("frequency") = 0.0, py::arg("phase") = 0.0);
+  using flexarm::joints::ClosureType;
+  py::native_enum<ClosureType>(m, "ClosureType", "enum.Enum")
+      .value("revolute", ClosureType::revolute)
+      .value("spherical", ClosureType::spherical)
+      .value("universal", ClosureType::universal)
+      .value("cylindrical", ClosureType::cylindrical)
+      .value("prismatic", ClosureType::prismatic)
+      .value("fixed", ClosureType::fixed)
+      .value("point_on_line", ClosureType::point_on_line)
+      .finalize();
+  py::class_<Closure>(m, "Closure", "Closes a loop of the tree.")
+      .def(py::init([](std::string name, ClosureType type, std::string a, std::string b, bool a_at_end,
+                       bool b_at_end, const flexarm::geometry::Frame& a_origin,
+                       const flexarm::geometry::Frame& b_origin, const Vector3d& axis,
+                       const Vector3d& second_axis) {
+             return Closure{std::move(name), type,     std::move(a), std::move(b), a_at_end,
+                            b_at_end,        a_origin, b_origin,     axis,         second_axis};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("type"), py::arg("a"), py::arg("b"),
+           py::arg("a_at_end") = false, py::arg("b_at_end") = false, py::arg("a_origin"), py::arg("b_origin"),
+           py::arg("axis"), py::arg("second_axis") = Vector3d::UnitX());
   py::class_<Arm>(m, "Arm", "An arm as plain data.")
       .def(py::init([](std::string name, const Vector3d& gravity, std::vector<Link> links,
                        std::vector<Joint> joints, std::vector<Payload> payloads, std::vector<Point> points,
-                       std::vector<Gear> gears, std::optional<Pedestal> pedestal) {
-             return Arm{std::move(name),     gravity,           std::move(links), std::move(joints),
-                        std::move(payloads), std::move(points), std::move(gears), pedestal};
+                       std::vector<Gear> gears, std::optional<Pedestal> pedestal,
+                       std::vector<Closure> closures, std::map<std::string, double> assembly) {
+             return Arm{std::move(name),     gravity,
+                        std::move(links),    std::move(joints),
+                        std::move(payloads), std::move(points),
+                        std::move(gears),    pedestal,
+                        std::move(closures), std::move(assembly)};
            }),
            py::kw_only(), py::arg("name"), py::arg("gravity"), py::arg("links"), py::arg("joints"),
-           py::arg("payloads"), py::arg("points"), py::arg("gears"), py::arg("pedestal") = py::none());
+           py::arg("payloads"), py::arg("points"), py::arg("gears"), py::arg("pedestal") = py::none(),
+           py::arg("closures") = std::vector<Closure>{},
+           py::arg("assembly") = std::map<std::string, double>{});
 }

@@ -114,6 +114,15 @@ void bind_statics(py::module_& m) {
       "Lowest modes about an equilibrium.", py::arg("system"), py::arg("equilibrium"), py::arg("count"),
       py::call_guard<py::gil_scoped_release>());
 
+  m.def(
+      "closure_force",
+      [](const System& system, const State& state, int closure) {
+        checks::fits(system, state);
+        checks::index("closure", closure, system.closures().size());
+        return closure_force(system, state, static_cast<std::size_t>(closure)).wrench;
+      },
+      "Force and moment that a closure puts on its link b at its place there, base axes.", py::arg("system"),
+      py::arg("state"), py::arg("closure"));
   py::class_<SectionForces>(m, "SectionForces", "Section forces at both ends of a beam.")
       .def_readonly("start", &SectionForces::start)
       .def_readonly("end", &SectionForces::end);

@@ -90,6 +90,40 @@ model::Arm spatial_arm() {
   return arm;
 }
 
+model::Arm crane_arm() {
+  model::Arm arm;
+  arm.name = "crane";
+  arm.links = {thin_beam("boom", {2, 0, 0}, 2),
+               model::RigidLink{"cylinder", 3, {0, 0, 0.3}, Vector3d(0.1, 0.1, 0.01).asDiagonal()},
+               model::RigidLink{"piston", 1, {0, 0, 0.4}, Vector3d(0.05, 0.05, 0.001).asDiagonal()}};
+  const Vector3d axis = -Vector3d::UnitY();
+  arm.joints = {{.name = "boom_pin", .child = "boom", .origin = Frame::translation({0, 0, 1}), .axis = axis},
+                {.name = "cylinder_pin",
+                 .child = "cylinder",
+                 .origin = Frame::translation({0.3, 0, 0.2}),
+                 .axis = axis},
+                {.name = "piston",
+                 .type = JointType::prismatic,
+                 .parent = "cylinder",
+                 .child = "piston",
+                 .axis = Vector3d::UnitZ()}};
+  arm.closures = {{.name = "rod_eye",
+                   .a = "piston",
+                   .b = "boom",
+                   .a_origin = Frame::translation({0, 0, 0.9}),
+                   .b_origin = Frame::translation({1.2, 0, -0.1}),
+                   .axis = axis}};
+  arm.payloads = {{.name = "load", .link = "boom", .position = {2, 0, 0}, .mass = 1.5}};
+  arm.points = {{.name = "tip", .link = "boom", .position = {2, 0, 0}, .loaded = true}};
+  return arm;
+}
+
+model::Arm rigid_crane_arm() {
+  model::Arm arm = crane_arm();
+  arm.links[0] = model::RigidLink{"boom", 8, {1, 0.02, 0}, Vector3d(0.1, 3, 3).asDiagonal()};
+  return arm;
+}
+
 void satisfy_constraints(const System& system, State& state) {
   VectorXd phi(system.n_constraints());
   for (int k = 0; k < 8; ++k) {

@@ -66,6 +66,13 @@ model::Arm two_link_arm();
 /// them; payload with offset and inertia.
 model::Arm spatial_arm();
 
+/// A boom on a hinge about −y, held by a cylinder whose rod is hinged to it; a beam and rigid parts, a flat
+/// loop.
+model::Arm crane_arm();
+
+/// The same with a rigid boom: three conditions of its closure repeat others.
+model::Arm rigid_crane_arm();
+
 /// Moves a state onto its constraints: the shortest step at a time.
 void satisfy_constraints(const System& system, State& state);
 

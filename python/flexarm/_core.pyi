@@ -21,6 +21,8 @@ __all__: list[str] = [
     "CellBlock",
     "CellType",
     "CholeskyReport",
+    "Closure",
+    "ClosureType",
     "DahlFriction",
     "DifferentiatedRun",
     "DifferentiatedSampledRun",
@@ -76,6 +78,7 @@ __all__: list[str] = [
     "base_wrench",
     "build_info",
     "check_step",
+    "closure_force",
     "cubic_spline",
     "displaced",
     "exp6",
@@ -486,6 +489,34 @@ class Pedestal:
         phase: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None: ...
 
+class ClosureType(enum.Enum):
+    cylindrical = ...
+    fixed = ...
+    point_on_line = ...
+    prismatic = ...
+    revolute = ...
+    spherical = ...
+    universal = ...
+
+class Closure:
+    """
+    Closes a loop of the tree.
+    """
+    def __init__(
+        self,
+        *,
+        name: str,
+        type: ClosureType,
+        a: str,
+        b: str,
+        a_at_end: bool = False,
+        b_at_end: bool = False,
+        a_origin: Frame,
+        b_origin: Frame,
+        axis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
+        second_axis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+    ) -> None: ...
+
 class Arm:
     """
     An arm as plain data.
@@ -501,6 +532,8 @@ class Arm:
         points: collections.abc.Sequence[Point],
         gears: collections.abc.Sequence[Gear],
         pedestal: Pedestal | None = None,
+        closures: collections.abc.Sequence[Closure] = [],
+        assembly: collections.abc.Mapping[str, typing.SupportsFloat | typing.SupportsIndex] = {},
     ) -> None: ...
 
 class DriveKind(enum.Enum):
@@ -559,6 +592,18 @@ class System:
     An arm, assembled.
     """
     def __init__(self, arm: Arm, drives: collections.abc.Mapping[str, DriveKind]) -> None: ...
+    def in_loop(self, joint: typing.SupportsInt | typing.SupportsIndex) -> bool:
+        """
+        True for a joint of a loop.
+        """
+    def joints_to_hold(
+        self,
+        held: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+        candidates: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+    ) -> list[int]:
+        """
+        Candidates that must be held so that the loops cannot move.
+        """
     def part_shape(
         self, state: State, part: typing.SupportsInt | typing.SupportsIndex
     ) -> tuple[Frame, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
@@ -576,6 +621,11 @@ class System:
         The undeformed arm.
         """
     @property
+    def assembled(self) -> list[float]:
+        """
+        Joint values at which loops were closed first; empty without closures.
+        """
+    @property
     def mass(self) -> float:
         """
         Mass of everything [kg].
@@ -584,6 +634,11 @@ class System:
     def n_nodes(self) -> int: ...
     @property
     def n_unknowns(self) -> int: ...
+    @property
+    def redundant(self) -> int:
+        """
+        Conditions of closures that others repeat.
+        """
 
 class Equilibrium:
     """
@@ -1162,6 +1217,13 @@ def build_info() -> BuildInfo:
 def check_step(step: typing.SupportsFloat | typing.SupportsIndex) -> None:
     """
     Refuses a time step that is too short or not finite.
+    """
+
+def closure_force(
+    system: System, state: State, closure: typing.SupportsInt | typing.SupportsIndex
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+    """
+    Force and moment that a closure puts on its link b at its place there, base axes.
     """
 
 def cubic_spline(

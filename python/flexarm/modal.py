@@ -212,7 +212,7 @@ def modes(
     """
     if count < 1:
         raise InvalidParameter(f"must be at least 1, got {count}", where="count")
-    system = assemble(arm)
+    system = assemble(arm, driven=tuple(joints or ()))
     g = np.array(arm.gravity) if gravity else np.zeros(3)
     values, loads = joint_values(arm, joints or {}), _core.Loads(gravity=g)
 

@@ -79,6 +79,7 @@ def labels(result: Result) -> dict[str, Sequence[str]]:
         "point": result.points,
         "joint": result.joints,
         "link": [link.name for link in result.arm.links],
+        "closure": [closure.name for closure in result.arm.closures],
         "axis": AXES,
         "end": ["start", "end"],
         "component": ["N", "Vy", "Vz", "T", "My", "Mz"],
@@ -146,4 +147,5 @@ def model_of(dataset: xr.Dataset, path: str | Path = "dataset") -> Arm:
 def counts(arm: Arm) -> dict[str, int]:
     """Return the length of array axes by name."""
     fixed = {"axis": 3, "body_axis": 3, "end": 2, "component": 6, "wrench": 6, "quaternion": 4}
-    return {"point": len(arm.points), "joint": len(arm.joints), "link": len(arm.links), **fixed}
+    tables = {"point": arm.points, "joint": arm.joints, "link": arm.links, "closure": arm.closures}
+    return {**{name: len(table) for name, table in tables.items()}, **fixed}

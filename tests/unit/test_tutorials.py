@@ -52,3 +52,10 @@ def test_every_tutorial_is_in_the_list():
 def test_a_page_that_prints_something_else_fails():
     with pytest.raises(AssertionError, match=r"Got:\s+2"):
         follow("```pycon\n>>> 1 + 1\n3\n\n```\n", "wrong.md")
+
+
+def test_the_crane_of_the_page_is_the_example():
+    block = BLOCK.findall((DOCS / "tutorials" / "a_crane.md").read_text(encoding="utf-8"))[0][1]
+    example = (DOCS.parent / "examples" / "crane.toml").read_text(encoding="utf-8")
+    assert block == "# file: crane.toml\n" + example
+    assert len(example.splitlines()) == 20

@@ -85,6 +85,9 @@ void require_finite(const model::Arm& arm) {
       require_finite("mount of joint '" + j.name + "'", h.axis, h.stiffness, h.damping);
   }
   for (const auto& g : arm.gears) require_finite("gear '" + g.name + "'", g.ratio);
+  for (const auto& c : arm.closures)
+    require_finite("closure '" + c.name + "'", c.a_origin.R, c.a_origin.x, c.b_origin.R, c.b_origin.x, c.axis,
+                   c.second_axis);
   if (const auto& p = arm.pedestal) {
     require_finite("pedestal", p->axis, p->amplitude, p->frequency, p->phase);
     for (const auto& h : p->hinges) require_finite("pedestal", h.axis, h.stiffness, h.damping);
@@ -107,6 +110,15 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
   for (const model::Point& point : arm_.points) {
     if (point.loaded) occupy(point.link, point.position);
   }
+  for (const model::Closure& closure : arm_.closures) {
+    const auto side = [&](const std::string& place, bool at_end, const Frame& origin) {
+      if (place == "base" || place.find(':') != std::string::npos) return;
+      const auto* beam = std::get_if<model::BeamLink>(&arm_.links[link_index(place)]);
+      if (beam != nullptr) occupy(place, origin.x + (at_end ? beam->end : Vector3d::Zero().eval()));
+    };
+    side(closure.a, closure.a_at_end, closure.a_origin);
+    side(closure.b, closure.b_at_end, closure.b_origin);
+  }
   mesh_links(occupied);
   for (const auto* chain : hinge_chains()) {
     for (std::size_t k = 0; k < chain->size(); ++k) hinges_.push_back({n_nodes_++});
@@ -116,6 +128,7 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
   place_gears();
   place_transmissions();
   place_masses();
+  place_closures();
   set_damping();  // of straight links
   set_bows();
   pair_beams();
@@ -123,6 +136,7 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
     const Place at = place(point.link);
     points_.push_back(attach(meshes_[at.link], point.position, point.loaded, at.node));
   }
+  close_loops();
 }
 
 void System::mesh_links(const std::vector<std::vector<double>>& occupied) {

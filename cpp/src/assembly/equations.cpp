@@ -188,6 +188,9 @@ void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool fricti
     if (a >= 0) r.template segment<n>(n * a) += f.a;
     row += m;
   }
+  if constexpr (D == 3) {
+    if (!closures_.empty()) closures_.add_forces(state.frames, of_closures(state), r);
+  }
 }
 
 template <int D>
@@ -199,9 +202,14 @@ void SystemIn<D>::evaluate(const StateD& state, const LoadsD& loads, VectorXd& r
   add_masses(state, loads, r);
   add_joints(*this, state, left_out, r, phi);
   add_pairs_of_beams(*this, state, r);  // last: single numbers just written are slow to read as vectors
-  int row = n_constraints_ - static_cast<int>(gears_.size());
+  int row = n_constraints_ - closures_.rows() - static_cast<int>(gears_.size());
   for (const joints::GearConstraint& gear : gears_)
     phi[row++] = gear.transmission(state.s[gear.input]).psi - state.s[gear.output];
+  if constexpr (D == 3) {
+    if (closures_.empty()) return;
+    closures_.add_forces(state.frames, of_closures(state), r);
+    phi.tail(closures_.rows()) = closures_.violation(state.frames);
+  }
 }
 
 template <int D>
@@ -239,6 +247,9 @@ void SystemIn<D>::violation(const StateD& state, VectorXd& phi) const {
   }
   for (const joints::GearConstraint& gear : gears_)
     phi[row++] = gear.transmission(state.s[gear.input]).psi - state.s[gear.output];
+  if constexpr (D == 3) {
+    if (!closures_.empty()) phi.tail(closures_.rows()) = closures_.violation(state.frames);
+  }
 }
 
 template <int D>
@@ -265,6 +276,10 @@ void SystemIn<D>::constraint_acceleration(const StateD& state, VectorXd& c) cons
     const int in = scalar_offset() + gear.input, out = scalar_offset() + gear.output;
     const auto psi = gear.transmission(state.s[gear.input]);
     c[row++] = psi.first * state.v_dot[in] + psi.second * state.v[in] * state.v[in] - state.v_dot[out];
+  }
+  if constexpr (D == 3) {
+    if (!closures_.empty())
+      c.tail(closures_.rows()) = closures_.acceleration(state.frames, state.v, state.v_dot);
   }
 }
 

@@ -292,6 +292,7 @@ std::vector<Vector3d> possible_normals(const System& system, const State& state,
 }  // namespace
 
 PlanarSystem::Attempt PlanarSystem::about(const System& system, const State& state, const Loads& loads) {
+  if (!system.closures().empty()) return {nullptr, "its loops are closed in space"};
   Attempt attempt{nullptr, "no direction of the arm could be the normal of a plane"};
   for (const Vector3d& normal : possible_normals(system, state, loads.gravity)) {
     attempt = Projection(system, state, loads, normal).attempt();

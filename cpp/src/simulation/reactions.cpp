@@ -62,6 +62,23 @@ Eigen::VectorXd motor_torques(const SystemIn<D>& system, const StateIn<D>& state
   return torque;
 }
 
+namespace {
+
+/// Force of a closure on the base and its moment about the origin, base axes; zero if it does not meet the
+/// base.
+Vector6d closure_on_base(const assembly::SystemIn<3>& system, const assembly::StateIn<3>& state,
+                         std::size_t k) {
+  const int base = system.pedestal().node;
+  const joints::ClosureConstraint& closure = system.closures()[k];
+  if (closure.node_a() != base && closure.node_b() != base) return Vector6d::Zero();
+  const ClosureForce on_b = closure_force(system, state, k);
+  Vector6d f = on_b.wrench;
+  f.tail<3>() += on_b.at.cross(f.head<3>());
+  return closure.node_a() == base ? Vector6d(-f) : f;
+}
+
+}  // namespace
+
 template <int D>
 Vector6d base_wrench(const SystemIn<D>& system, const StateIn<D>& state, const InSpace<D>& space) {
   const int base = system.pedestal().node;  // a pedestal turns about the base's origin: moments stay
@@ -79,7 +96,17 @@ Vector6d base_wrench(const SystemIn<D>& system, const StateIn<D>& state, const I
     }
     row += joint.rows();
   }
+  if constexpr (D == 3) {
+    for (std::size_t k = 0; k < system.closures().size(); ++k) wrench += closure_on_base(system, state, k);
+  }
   return wrench;
+}
+
+ClosureForce closure_force(const assembly::SystemIn<3>& system, const assembly::StateIn<3>& state,
+                           std::size_t k) {
+  const auto& closures = system.closures();
+  return {closures.wrench_on_b(k, state.frames, system.of_closures(state)),
+          closures.place_on_b(k, state.frames)};
 }
 
 #define FLEXARM_INSTANTIATE(D)                                                                            \

@@ -169,6 +169,7 @@ Equilibrium static_equilibrium(const System& system, const std::vector<double>& 
     }
   }
   if (has_gaps(system)) settle_teeth(system, loads, newton, result.state);
+  system.closures().check(result.state.frames, system.reach(), result.state.t);
   system.remember(result.state);
   result.iterations = newton.iterations;
   result.residual = newton.residual;

@@ -40,7 +40,7 @@ Eigen::Matrix<double, 6, 4> across_axis(const Twist<3>& motion) {
 
 template <int D>
 TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds, bool laws)
-    : system_(system), follows_constraints_(system.gears().empty()) {
+    : system_(system), follows_constraints_(system.gears().empty() && system.closures().empty()) {
   find_turning_joints(welds);
   if (laws) find_laws(welds);
   const auto n_laws = static_cast<Eigen::Index>(laws_.size());

@@ -2,6 +2,7 @@
 
 from flexarm.arm.arm import Arm
 from flexarm.arm.attachment import Payload, Point
+from flexarm.arm.closure import Closure
 from flexarm.arm.controller import Cascade, Controller, StateFeedback
 from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.inertia import inertia_matrix
@@ -19,6 +20,7 @@ __all__ = [
     "Arm",
     "Beam",
     "Cascade",
+    "Closure",
     "Controller",
     "Effect",
     "Gear",

@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, SerializeAsAny, mod
 
 from flexarm.arguments import PATH, TABLES, TEXT, VALUES, takes
 from flexarm.arm.attachment import Payload, Point
+from flexarm.arm.closure import Closure
 from flexarm.arm.consistency import inconsistencies, missing
 from flexarm.arm.controller import Controller
 from flexarm.arm.effect import Effect, read_effect
@@ -63,8 +64,10 @@ class Arm(Table):
         Name of the arm.
     gravity : (3,)
         Acceleration of gravity in the base's axes [m/s2].
-    joints, gears, links, payloads, points, sensors, motors, controllers, effects : tuple
+    joints, gears, links, payloads, points, closures, sensors, motors, controllers, effects : tuple
         The tables of the same names, in the order of the file.
+    assembly : dict of str to float
+        Where joints stand when loops are closed first [rad, m].
     uncertainty : dict
         1 sigma of nominal values; see `sigma`.
 
@@ -83,6 +86,8 @@ class Arm(Table):
     links: tuple[Link, ...] = ()
     payloads: tuple[Payload, ...] = ()
     points: tuple[Point, ...] = ()
+    closures: tuple[Closure, ...] = ()
+    assembly: Annotated[dict[str, Number], AfterValidator(FrozenDict)] = FrozenDict()
     sensors: tuple[Sensor, ...] = ()
     motors: tuple[Motor, ...] = ()
     controllers: tuple[Controller, ...] = ()

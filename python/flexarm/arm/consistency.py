@@ -24,6 +24,7 @@ def inconsistencies(arm: Arm) -> list[tuple[Path, str]]:
     """Return pairs of place and sentence for all that does not fit."""
     found = [*_duplicates(arm), *_joint_ends(arm)]
     found += [] if found else [*_tree(arm)]
+    found += _closures(arm)
     return [*found, *_gears(arm), *_attachments(arm), *_sensors(arm), *_drives(arm), *_effects(arm)]
 
 
@@ -39,7 +40,7 @@ def missing(kind: str, name: str, known: Iterable[str]) -> str:
 
 
 def _duplicates(arm: Arm) -> Found:
-    for table in ("joints", "gears", "links", "payloads", "points", "sensors"):
+    for table in ("joints", "gears", "links", "payloads", "points", "sensors", "closures"):
         seen: set[str] = set()
         for i, entry in enumerate(getattr(arm, table)):
             if entry.name in seen:
@@ -93,7 +94,7 @@ def _tree(arm: Arm) -> Found:
                 ("joints", i, "child"),
                 (
                     f"link {child!r} is already the child of joint {holder[child].name!r}; "
-                    "joints must form a tree, closed loops are not supported"
+                    "joints must form a tree; a table [[closures]] closes a loop"
                 ),
             )
         holder.setdefault(child, joint)
@@ -175,6 +176,33 @@ def _attachments(arm: Arm) -> Found:
                     (table, i, "link"),
                     f"must be {wanted} as {name!r} is a {links[name].type}, got {entry.link!r}",
                 )
+
+
+def _closures(arm: Arm) -> Found:
+    """Yield closures, and poses of assembly, that do not fit the arm."""
+    links = {link.name: link for link in arm.links}
+    for i, closure in enumerate(arm.closures):
+        for end in ("a", "b"):
+            place, at = getattr(closure, end), getattr(closure, f"{end}_at")
+            name = link_of(place)
+            if name != "base" and name not in links:
+                yield ("closures", i, end), missing("link", name, links)
+            elif (":" in place) != isinstance(links.get(name), SuperElementLink):
+                wanted = "LINK:INTERFACE" if isinstance(links.get(name), SuperElementLink) else "LINK"
+                yield ("closures", i, end), f"must be {wanted}, got {place!r}"
+            elif at == "end" and not isinstance(links.get(name), Beam):
+                yield ("closures", i, f"{end}_at"), f'"end" needs a beam, got {place!r}'
+        if link_of(closure.a) == link_of(closure.b):
+            yield (
+                ("closures", i, "b"),
+                f"is on {link_of(closure.b)!r} as a is; a closure ties two links, or a link and the base",
+            )
+    moving = {joint.name: None for joint in arm.joints if joint.moves}
+    for name in arm.assembly:
+        if name not in moving:
+            yield ("assembly", name), missing("moving joint", name, moving)
+    if arm.assembly and not arm.closures:
+        yield ("assembly",), "says where joints stand when loops are closed, but the model has no closures"
 
 
 def _sensors(arm: Arm) -> Found:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from flexarm.arm.closure import loop_joints
 from flexarm.arm.names import link_of
 from flexarm.arm.places import place_in_link
 from flexarm.arm.rotation import IDENTITY, from_rpy, inverted
@@ -95,6 +96,11 @@ def link_pose(arm: Any, link: str, values: Mapping[str, Floats], base: Any = IDE
         Rotation of everything that stands on the base.
     """
     joints = chain_to(arm, link)
+    if arm.closures and (left_out := set(loop_joints(arm)) & {j.name for j in joints} - set(values)):
+        raise InvalidParameter(
+            f"joints of closed loops follow one another: values of all are needed, {min(left_out)} has none",
+            where="joints",
+        )
     count = max((np.size(values.get(joint.name, 0.0)) for joint in joints), default=1)
     pose = Pose(np.broadcast_to(np.asarray(base), (count, 3, 3)), np.zeros((count, 3)))
     for joint in joints:

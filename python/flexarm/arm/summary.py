@@ -20,6 +20,7 @@ def summary(arm: Arm) -> str:
         ratio = f", ratio {joint.gear_ratio:g}" if joint.gear_ratio != 1 else ""
         lines.append(f"  joint {joint.name}: {joint.type}, {joint.parent} -> {joint.child}{ratio}")
     lines += [f"  gear {gear.name}: {gear.input} = {gear.ratio:g} x {gear.output}" for gear in arm.gears]
+    lines += [f"  closure {each.name}: {each.type}, {each.a} - {each.b}" for each in arm.closures]
     lines += [f"  link {link.name}: {_link(link)}" for link in arm.links]
     lines += [f"  payload {load.name}: {load.mass:g} kg on {load.link}" for load in arm.payloads]
     lines += [f"  effect {_effect(arm, effect)}" for effect in arm.effects]

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexarm import _core
-from flexarm.arm import Arm
+from flexarm.arm import Arm, Closure
 from flexarm.arm.inertia import inertia_matrix
 from flexarm.arm.joint import Joint
 from flexarm.arm.link import Beam, RigidLink, SuperElementLink
 from flexarm.arm.rotation import Frame, chained, from_rpy
 from flexarm.arm.section import General, Rectangle, Round, Tube
 from flexarm.assembly.base import core_hinges, pedestal, tilted
+from flexarm.assembly.loops import Loops
 from flexarm.assembly.machine import Load, Machine, Member, machine_of, nominal_machine
 from flexarm.errors import InvalidParameter
 from flexarm.tables.ranges import out_of_range
@@ -56,11 +58,18 @@ def core_arm(arm: Arm, loaded: Iterable[str] = (), *, nominal: bool = False) -> 
         ],
         gears=[_core.Gear(name=g.name, input=g.input, output=g.output, ratio=g.ratio) for g in arm.gears],
         pedestal=pedestal(machine),
+        closures=[_closure(closure, machine) for closure in arm.closures],
+        assembly=dict(arm.assembly),
     )
 
 
 def assemble(
-    arm: Arm, drives: Mapping[str, _core.DriveKind] | None = None, loaded: Iterable[str] = ()
+    arm: Arm,
+    drives: Mapping[str, _core.DriveKind] | None = None,
+    loaded: Iterable[str] = (),
+    driven: Iterable[str] = (),
+    *,
+    nominal: bool = False,
 ) -> _core.System:
     """Assemble the arm.
 
@@ -73,15 +82,45 @@ def assemble(
         inputs of gears whose output is told.
     loaded : iterable of str
         Points that carry point loads.
+    driven : iterable of str
+        Other joints whose drive is held. Joints of loops that are neither here nor in `drives` follow, see
+        `flexarm.assembly.loops`.
+    nominal : bool
+        Without effects.
+
+    Raises
+    ------
+    InvalidParameter
+        If a loop cannot be closed.
     """
     given = dict(drives or {})
     kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}
     kinds |= {gear.input: _core.DriveKind.free for gear in arm.gears if gear.output in given}
-    return _core.System(core_arm(arm, loaded), {**kinds, **given})
+    core = core_arm(arm, loaded, nominal=nominal)
+    if not arm.closures:
+        return _core.System(core, {**kinds, **given})
+    following = loops_of(arm).following({*given, *driven})
+    kinds |= dict.fromkeys(following, _core.DriveKind.free)
+    return _core.System(core, {**kinds, **given})
+
+
+@lru_cache(maxsize=16)
+def loops_of(arm: Arm) -> Loops:
+    """Return the loops of an arm with closures.
+
+    Raises
+    ------
+    InvalidParameter
+        If a loop cannot be closed.
+    """
+    return Loops.of(arm, _core.System(core_arm(arm), {}))
 
 
 def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
     """Return the drive angle of every joint in the model's order: 0 where not given, through gears.
+
+    Joints of loops that are not given stand where the loops were closed first; those that follow are not
+    read.
 
     Raises
     ------
@@ -103,6 +142,21 @@ def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
     return [float(values.get(joint.name, 0.0)) for joint in arm.joints]
 
 
+def rigid_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
+    """Return the value of every joint of the rigid arm without effects, those of loops closed.
+
+    Raises
+    ------
+    InvalidParameter
+        As `joint_values`, and if a loop cannot be closed.
+    """
+    values = joint_values(arm, joints)
+    if not arm.closures:
+        return values
+    system = assemble(arm, driven=joints, nominal=True)
+    return list(_core.joint_angles(system, system.rigid_state(values)))
+
+
 def _through_gears(arm: Arm, joints: Mapping[str, float]) -> dict[str, float]:
     """Complete values through gears: angle of the input = ratio x angle of the output."""
     values = dict(joints)
@@ -112,6 +166,8 @@ def _through_gears(arm: Arm, joints: Mapping[str, float]) -> dict[str, float]:
                 values.setdefault(gear.input, values[gear.output] * gear.ratio)
             elif gear.input in values:
                 values.setdefault(gear.output, values[gear.input] / gear.ratio)
+    if arm.closures:
+        values = {**loops_of(arm).assembled, **values}
     for gear in arm.gears:
         angle, wanted = values.get(gear.input, 0.0), values.get(gear.output, 0.0) * gear.ratio
         if abs(angle - wanted) > 1e-9 * max(1.0, abs(wanted)):
@@ -218,6 +274,28 @@ def _payload(name: str, load: Load) -> _core.Payload:
         mass=load.mass,
         inertia=np.array(load.inertia),
         offset=np.array(load.offset),
+    )
+
+
+def _closure(closure: Closure, machine: Machine) -> _core.Closure:
+    tilt: Frame = (tilted(machine.base), (0.0, 0.0, 0.0))
+    origins = {}
+    for end, place in (("a", closure.a), ("b", closure.b)):
+        origin = getattr(closure, f"{end}_origin")
+        frame: Frame = (from_rpy(origin.rpy), origin.xyz)
+        rotation, position = chained(tilt, frame) if place == "base" else frame
+        origins[end] = _core.Frame(np.array(rotation), np.array(position))
+    return _core.Closure(
+        name=closure.name,
+        type=getattr(_core.ClosureType, closure.type),
+        a=closure.a,
+        b=closure.b,
+        a_at_end=closure.a_at == "end",
+        b_at_end=closure.b_at == "end",
+        a_origin=origins["a"],
+        b_origin=origins["b"],
+        axis=np.array(closure.axis),
+        second_axis=np.array(closure.across),
     )
 
 

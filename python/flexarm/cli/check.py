@@ -116,7 +116,38 @@ def _model(path: Path) -> Told:
         warnings += error.problems
         return {"kind": "model", **_outline(arm)}, [arm.summary()], warnings, []
     told = {"kind": "model", **_outline(arm), "weight": weight.to_json_dict()}
-    return told, [arm.summary(), "", *_weight_lines(weight)], warnings, []
+    lines = [arm.summary(), "", *_weight_lines(weight)]
+    if not arm.closures:
+        return told, lines, warnings, []
+    try:
+        closed = _loops(arm)
+    except InvalidParameter as error:
+        return told, lines, warnings, list(error.problems)
+    return {**told, "loops": closed}, [*lines, "", *_loop_lines(closed)], warnings, []
+
+
+def _loops(arm: Arm) -> dict[str, Any]:
+    """Return where joints of loops stand when these are closed first, and how many conditions repeat others.
+
+    Raises
+    ------
+    InvalidParameter
+        If a loop cannot be closed.
+    """
+    from flexarm.assembly import loops_of
+
+    found = loops_of(arm)
+    return {"assembled": found.assembled, "redundant_conditions": found.redundant}
+
+
+def _loop_lines(closed: dict[str, Any]) -> list[str]:
+    stand = ", ".join(f"{name} = {value:.6g}" for name, value in closed["assembled"].items())
+    lines = [f"loops closed at {stand} [rad, m]"]
+    if count := closed["redundant_conditions"]:
+        lines.append(
+            f"{count} conditions of the closures repeat others; their forces are taken as the smallest"
+        )
+    return lines
 
 
 def _weight(arm: Arm) -> WeightStatement:
@@ -138,6 +169,7 @@ def _outline(arm: Arm) -> dict[str, Any]:
         "gravity": list(arm.gravity),
         "joints": [joint.name for joint in arm.joints],
         "links": [link.name for link in arm.links],
+        **({"closures": [closure.name for closure in arm.closures]} if arm.closures else {}),
         "payloads": [load.name for load in arm.payloads],
         "points": [point.name for point in arm.points],
         "uncertainty": dict(arm.uncertainty),

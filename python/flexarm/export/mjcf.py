@@ -57,6 +57,7 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path) -> list[str]:
         if (name := joint.get("name"))
     }
     wanted = list(joint_dynamics(arm))
+    notes += [f"closure {closure.name} is not written" for closure in arm.closures]
     for dynamics in wanted:
         if dynamics.joint not in joints:
             notes.append(f"joint {dynamics.joint} is not in {path.name}")

@@ -49,6 +49,7 @@ def export_urdf(arm: Arm, urdf: str | Path, out: str | Path) -> list[str]:
     path, root, notes, written = Path(urdf), read_robot(Path(urdf), "robot"), [], 0
     joints = {name: joint for joint in root.findall("joint") if (name := joint.get("name"))}
     wanted = list(joint_dynamics(arm))
+    notes += [f"closure {closure.name} is not written" for closure in arm.closures]
     for dynamics in wanted:
         joint = joints.get(dynamics.joint)
         if joint is None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from flexarm.arguments import ARM, COUNT, ITEMS, PAIRS, VALUES, takes
 from flexarm.arm import Arm
+from flexarm.arm.closure import refuse_closures
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import frozen
 from flexarm.errors import InvalidParameter
@@ -57,6 +58,7 @@ def linearise(
     >>> model = flexarm.linearise(arm, {"hinge": 0.5}, inputs={"hinge": "torque"})  # doctest: +SKIP
     >>> model.save("arm.mat")  # doctest: +SKIP
     """
+    refuse_closures(arm, "linearise")
     if modes is not None and modes < 0:
         raise InvalidParameter(f"must not be negative, got {modes}", where="modes")
     asked, locked = ports(arm, inputs)

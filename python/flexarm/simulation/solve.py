@@ -45,7 +45,7 @@ _DERIVED = (
 
 def solved(run: PreparedRun, report: Report) -> Simulation:
     """Return the run alone."""
-    system, motions = assemble(run.arm, run.kinds), run.motions
+    system, motions = assemble(run.arm, run.kinds, driven=run.drive.rest), run.motions
     held = _held(run, system)
     equilibrium = _start(run, held, motions)
     if held is not system:
@@ -70,7 +70,7 @@ def differentiated(
     run: PreparedRun, wanted: tuple[Parameter, ...], redrive: Redrive | None, report: Report
 ) -> Simulation:
     """Return the run with the derivatives of its arrays."""
-    system, motions = assemble(run.arm, run.kinds), run.motions
+    system, motions = assemble(run.arm, run.kinds, driven=run.drive.rest), run.motions
     held = _held(run, system)
     equilibrium = _start(run, held, motions)
     varied_systems, places = varied(run.arm, wanted, lambda arm: assemble(arm, run.kinds), redrive)
@@ -111,7 +111,9 @@ def derived(run: Simulation, derivatives: _core.Transient, count: int, led: int 
 
 def _held(run: PreparedRun, system: _core.System) -> _core.System:
     """Return the arm with its motors held until the start; the same one if none is driven by torque."""
-    return system if run.prescribed == run.kinds else assemble(run.arm, run.prescribed)
+    if run.prescribed == run.kinds:
+        return system
+    return assemble(run.arm, run.prescribed, driven={*run.kinds, *run.drive.rest})
 
 
 def _start(

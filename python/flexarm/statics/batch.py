@@ -17,7 +17,7 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats
-from flexarm.assembly import assemble, joint_values, point_loads
+from flexarm.assembly import assemble, joint_values, loops_of, point_loads
 from flexarm.sensitivity import Sensitivities, collected, varied
 from flexarm.statics.backlash_derivative import require_backlash_derivative
 
@@ -83,6 +83,8 @@ class StaticsBatch:
         Joints whose drives parameters turn; the others are locked.
     differentiated : collection of str
         Arrays of which derivatives are taken.
+    driven : collection of str
+        Joints of loops that are held; the others of loops follow.
 
     Raises
     ------
@@ -98,12 +100,14 @@ class StaticsBatch:
         sensitivities: Iterable[str] = (),
         turned: Collection[str] = (),
         differentiated: Collection[str] = SEEN,
+        driven: Collection[str] = (),
     ) -> None:
         held = {_input_of(arm, name): _core.DriveKind.motor_angle for name in turned}
         held |= {name: _core.DriveKind.link_angle for name in at_link}
         points = tuple(loaded)
         self.arm, self.differentiated = arm, tuple(differentiated)
-        self.system = assemble(arm, held, points)
+        self.system = assemble(arm, held, points, driven)
+        self._following = loops_of(arm).following({*held, *driven}) if arm.closures else ()
         self.parameters: tuple[Parameter, ...] = parameters(arm, sensitivities)
         self._beside, self._places = varied(arm, self.parameters, lambda other: assemble(other, held, points))
 
@@ -135,6 +139,11 @@ class StaticsBatch:
         loads = _core.Loads(gravity=np.array(self.arm.gravity), points=point_loads(self.arm, forces or {}))
         equilibrium = _core.static_equilibrium(self.system, values, loads)
         arrays = _seen(self.arm, self.system, equilibrium.state, loads, SEEN)
+        if self._following:
+            values = [
+                float(arrays["link_angle"][i]) if joint.name in self._following else values[i]
+                for i, joint in enumerate(self.arm.joints)
+            ]
         if not self.parameters:
             return StaticSolution(values, equilibrium, arrays, None)
         slopes = self._slopes(values, equilibrium, arrays, loads, turning or {})

@@ -62,9 +62,20 @@ def contents(found: Statics) -> Contents:
             ),
             "base_wrench": (("wrench",), found.base_wrench, {"units": "N, N m"}),
             **({} if found.force is None else {"force": (("point", "axis"), found.force, {"units": "N"})}),
+            **(
+                {}
+                if found.closure_force is None
+                else {"closure_force": (("closure", "wrench"), found.closure_force, {"units": "N, N m"})}
+            ),
         },
         {**labels(found), "body_axis": AXES},
-        {"kind": "statics", **provenance(found.arm), **found.solver, "at_link": " ".join(found.at_link)},
+        {
+            "kind": "statics",
+            **provenance(found.arm),
+            **found.solver,
+            "at_link": " ".join(found.at_link),
+            **({"driven": " ".join(found.driven)} if found.arm.closures else {}),
+        },
     )
     return whole if found.sensitivities is None else found.sensitivities.add_to(whole)
 
@@ -85,17 +96,22 @@ def stored(path: str | Path) -> dict[str, Any]:
         for name in parts
         for what, axes, _ in _PART_VARIABLES
     }
-    require(path, data, {**_VARIABLES, **of_parts}, counts(arm))
+    closing = {"closure_force": ("closure", "wrench")} if arm.closures else {}
+    require(path, data, {**_VARIABLES, **of_parts, **closing}, counts(arm))
+    told = ["backend", "iterations", "load_steps", "residual_N"]
+    told += ["redundant_conditions"] if arm.closures else []
     with reading(path, "a stored equilibrium"):
         return {
             "arm": arm,
             **{name: frozen(data[name].values) for name in _VARIABLES},
-            "solver": {k: data.attrs[k] for k in ("backend", "iterations", "load_steps", "residual_N")},
+            "solver": {k: data.attrs[k] for k in told},
             "parts": {
                 name: PartShape(*(frozen(data[f"{name}_{what}"].values) for what, _, _ in _PART_VARIABLES))
                 for name in parts
             },
             "force": frozen(data["force"].values) if "force" in data else None,
             "at_link": tuple(str(data.attrs.get("at_link", "")).split()),
+            "driven": tuple(str(data.attrs.get("driven", "")).split()),
+            "closure_force": frozen(data["closure_force"].values) if arm.closures else None,
             "sensitivities": Sensitivities.stored(arm, data),
         }

@@ -11,7 +11,7 @@ from flexarm import _core
 from flexarm.arguments import ARM, NAMES, VALUES, VECTORS, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
-from flexarm.assembly import core_arm
+from flexarm.assembly import assemble
 from flexarm.statics.batch import StaticsBatch, positions
 from flexarm.statics.part_shape import PartShape
 from flexarm.statics.statics import Statics
@@ -33,7 +33,8 @@ def static(
     arm : Arm
         The model, with its effects.
     joints : dict of str to float, optional
-        Drive angles, output side [rad, m for a prismatic joint]; default 0.
+        Drive angles, output side [rad, m for a prismatic joint]; default 0. Joints of loops that are not
+        here follow, see `flexarm.assembly.loops`.
     forces : dict of str to (3,), optional
         Forces at points, base axes [N].
     at_link : collection of str
@@ -53,11 +54,13 @@ def static(
     --------
     >>> flexarm.static(arm, joints={"hinge": 0.5}).displacement  # doctest: +SKIP
     """
-    held = StaticsBatch(arm, at_link, forces or (), sensitivities)
+    held = StaticsBatch(arm, at_link, forces or (), sensitivities, driven=tuple(joints or ()))
     found = held.at(joints or {}, forces)
     return Statics(
         arm=arm,
-        displacement=frozen(found.arrays["position"] - _rigid(arm, held.system, found.values)),
+        displacement=frozen(
+            found.arrays["position"] - _rigid(arm, held.system, found.values, tuple(joints or ()))
+        ),
         drive_angle=frozen(found.values),
         **{name: frozen(array) for name, array in found.arrays.items()},
         solver={
@@ -65,20 +68,26 @@ def static(
             "iterations": found.equilibrium.iterations,
             "load_steps": found.equilibrium.load_steps,
             "residual_N": found.equilibrium.residual,
+            **({"redundant_conditions": held.system.redundant} if arm.closures else {}),
         },
         parts=_parts(arm, held.system, found.equilibrium.state),
         force=_forces(arm, forces) if forces else None,
         at_link=tuple(at_link),
         sensitivities=found.sensitivities,
+        closure_force=_closure_forces(arm, held.system, found.equilibrium.state) if arm.closures else None,
+        driven=tuple(joints or ()),
     )
 
 
-def _rigid(arm: Arm, system: _core.System, values: list[float]) -> Floats:
+def _closure_forces(arm: Arm, system: _core.System, state: _core.State) -> Floats:
+    return frozen([_core.closure_force(system, state, i) for i in range(len(arm.closures))])
+
+
+def _rigid(arm: Arm, system: _core.System, values: list[float], driven: Collection[str]) -> Floats:
     """Return the points of the rigid arm without effects: what effects move counts as displacement."""
     if not arm.effects:
         return positions(system, system.rigid_state(values), len(arm.points))
-    kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}
-    plain = _core.System(core_arm(arm, nominal=True), kinds)
+    plain = assemble(arm, driven=driven, nominal=True)
     return positions(plain, plain.rigid_state(values), len(arm.points))
 
 

@@ -51,6 +51,11 @@ class Statics(Result):
         Joints whose drive angle is the link's.
     sensitivities : Sensitivities or None
         Derivatives of the arrays by parameters of the model, where they were asked for.
+    closure_force : ndarray, shape (closure, 6), or None
+        Force and moment that each closure puts on its link b at the closure's place there, base axes
+        [N, N m]; None without closures.
+    driven : tuple of str
+        Joints whose drive was told where to stand; others of loops may have followed.
     """
 
     arm: Arm
@@ -67,6 +72,8 @@ class Statics(Result):
     force: Floats | None = None
     at_link: tuple[str, ...] = ()
     sensitivities: Sensitivities | None = None
+    closure_force: Floats | None = None
+    driven: tuple[str, ...] = ()
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the object of `flexarm static --json`."""

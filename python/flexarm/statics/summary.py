@@ -34,6 +34,14 @@ def summary(found: Statics) -> str:
         for k, end in enumerate(("start", "end") if link.type == "beam" else ()):
             force, moment = _text(found.section_forces[i, k, :3]), _text(found.section_forces[i, k, 3:])
             lines.append(f"{link.name + ' ' + end:<16}{force:>36}{moment:>36}")
+    for name, wrench in _closures(found).items():
+        force, moment = _text(wrench[:3]), _text(wrench[3:])
+        lines.append(f"{name:<16}{force:>36}{moment:>36}   closure, on its link b, base axes")
+    if found.solver.get("redundant_conditions"):
+        lines.append(
+            f"{found.solver['redundant_conditions']} conditions of the closures repeat others, as in flat "
+            "loops of rigid links; of the forces that fit, the smallest are told"
+        )
     force, moment = _text(found.base_wrench[:3]), _text(found.base_wrench[3:])
     lines.append(f"{'on the base':<16}{force:>36}{moment:>36}   about its origin, base axes")
     return "\n".join(lines)
@@ -43,6 +51,7 @@ def to_json_dict(found: Statics) -> dict[str, Any]:
     """Return the object of `flexarm static --json`."""
     beams = [(i, link.name) for i, link in enumerate(found.arm.links) if link.type == "beam"]
     ends = ("start", "end")
+    closures = _closures(found)
     return {
         "points": {
             name: {"position": found.position[i].tolist(), "displacement": found.displacement[i].tolist()}
@@ -60,9 +69,18 @@ def to_json_dict(found: Statics) -> dict[str, Any]:
             name: {end: _wrench(found.section_forces[i, k]) for k, end in enumerate(ends)}
             for i, name in beams
         },
+        **({"closures": {name: _wrench(w) for name, w in closures.items()}} if closures else {}),
         "base": _wrench(found.base_wrench),
         "solver": found.solver,
     }
+
+
+def _closures(found: Statics) -> dict[str, Floats]:
+    """Return force and moment of each closure."""
+    if found.closure_force is None:
+        return {}
+    names = [closure.name for closure in found.arm.closures]
+    return dict(zip(names, found.closure_force, strict=True))
 
 
 def _text(values: Floats) -> str:

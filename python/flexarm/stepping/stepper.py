@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from flexarm import _core
 from flexarm.arguments import ARM, NAMES, NUMBER, TEXTS, VALUES, VECTORS, require, takes
 from flexarm.arm import Arm
+from flexarm.arm.closure import refuse_closures
 from flexarm.arm.consistency import missing
 from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arrays import Floats
@@ -72,6 +73,7 @@ class Stepper:
         step: float = 2e-3,
         alpha: float = -0.05,
     ) -> None:
+        refuse_closures(arm, "a Stepper")
         if late := [e for e in arm.effects if isinstance(e, DriveEffect) and e.at in told and any(e.lag())]:
             raise InvalidParameter(
                 f"{late[0].name} at {late[0].at!r}: the joints of a stepper follow their inputs at once; "

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexarm.arm import Arm, Beam
+from flexarm.arm import Arm, Beam, Closure
 from flexarm.arm.joint import Joint
 from flexarm.arm.link import Link, SuperElementLink
 from flexarm.arm.names import link_of
@@ -73,6 +73,8 @@ class Bodies:
             found += self._link(link)
         for joint in self.arm.joints:
             found += self._joint(joint)
+        for closure in self.arm.closures:
+            found += self._closure(closure)
         return [*found, *self._payloads(), *self._points(), *self._base()]
 
     def links(self) -> list[Skin]:
@@ -118,6 +120,9 @@ class Bodies:
     def _sticks(self, link: Link) -> Surface:
         """Return a rigid link as sticks from its frame to what it carries, and a ball where all is there."""
         carried = [self.place(j)[2] for j in self.arm.joints if link_of(j.parent) == link.name]
+        for closure in self.arm.closures:
+            ends = ((closure.a, closure.a_origin), (closure.b, closure.b_origin))
+            carried += [np.array(origin.xyz) for place, origin in ends if place == link.name]
         for bone in (*self.skeleton.loads.values(), *self.skeleton.points.values()):
             at = self.skeleton.bones[bone]
             if link_of(at.link) == link.name:
@@ -149,6 +154,17 @@ class Bodies:
         yield turning.on(bone, "joints", joint.name, STYLE.joints)
         tip = arrow(x - 3 * half, x + 4 * half, 0.12 * radius)
         yield tip.on(bone, "joints", f"{joint.name} axis", STYLE.axis)
+
+    def _closure(self, closure: Closure) -> Iterator[Skin]:
+        bone = self.skeleton.bone_of(closure.a, closure.a_at == "end")
+        R, x = np.array(from_rpy(closure.a_origin.rpy)), np.array(closure.a_origin.xyz, dtype=float)
+        radius = STYLE.joint * self.size
+        if not np.any(closure.axis):
+            shape = ball(radius).moved(R, x)
+        else:
+            half = 1.3 * radius * (R @ (np.asarray(closure.axis) / np.linalg.norm(closure.axis)))
+            shape = rod(x - half, x + half, radius)
+        yield shape.on(-1 if bone is None else bone, "joints", closure.name, STYLE.joints)
 
     def _beside(self, joint: Joint) -> float:
         """Return the half width of the beams that a joint joins [m]; 0 without any."""

@@ -24,7 +24,7 @@ from flexarm.arm.link import Link
 from flexarm.arm.names import link_of
 from flexarm.arm.rotation import added
 from flexarm.arrays import Floats
-from flexarm.assembly import machine_of
+from flexarm.assembly import machine_of, rigid_values
 
 FEWEST, MOST = 8, 32
 """Pieces in which a beam is drawn: two an element within these bounds look smooth."""
@@ -169,7 +169,5 @@ def _places(link: Link) -> list[Bone]:
 
 
 def at_rest(arm: Arm, joints: Mapping[str, float]) -> Floats:
-    """Return drive angles (1, joint) of a pose."""
-    from flexarm.assembly import joint_values
-
-    return np.array([joint_values(arm, joints)])
+    """Return drive angles (1, joint) of a pose, those of loops closed."""
+    return np.array([rigid_values(arm, joints)])

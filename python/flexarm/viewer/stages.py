@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.arm.closure import loop_joints, refuse_closures
 from flexarm.arrays import Floats, Ints
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
@@ -37,15 +38,17 @@ def of_arm(arm: Arm, joints: Mapping[str, float] | None = None, meshes: Meshes |
     still = skeleton.rigid(angles)
     size = _size(still.x)
     clips = [Clip("at rest", np.zeros(1), still, "the undeformed arm, without effects")]
+    looped = loop_joints(arm)
     time = np.linspace(0, SWEEP_SECONDS, 2 * STYLE.mode_frames)
     for i, joint in enumerate(arm.joints):
         if joint.moves and joint.name not in {gear.output for gear in arm.gears}:
             reach = SWEEP if joint.type == "revolute" else 0.15 * size
             moved = np.repeat(angles, len(time), axis=0)
             moved[:, i] += reach * np.sin(2 * np.pi * time / SWEEP_SECONDS)
-            moved = _geared(arm, moved)
+            moved = _closed(arm, moved[:, i], joint.name) if joint.name in looped else _geared(arm, moved)
             text = f"{joint.name} moved by {with_unit(reach, 'rad' if joint.type == 'revolute' else 'm')}"
-            clips.append(Clip(joint.name, time, skeleton.rigid(moved), text, loops=True))
+            if len(moved):
+                clips.append(Clip(joint.name, time, skeleton.rigid(moved), text, loops=True))
     bodies = Bodies(skeleton, size, meshes)
     notes = (_angles(arm, angles[0]),)
     return _scene(f"{arm.name}: model", notes, bodies, clips)
@@ -54,7 +57,13 @@ def of_arm(arm: Arm, joints: Mapping[str, float] | None = None, meshes: Meshes |
 def of_statics(found: Statics, scale: float | None = None, meshes: Meshes | None = None) -> Scene:
     """Return an equilibrium beside the rigid arm, displacements times `scale` (None: so that they show)."""
     skeleton = Skeleton(found.arm)
-    poses, rigid = _equilibrium(skeleton, found), skeleton.rigid(found.drive_angle[None])
+    rigid = skeleton.rigid(found.drive_angle[None])
+    if found.arm.closures:
+        held = drive_angles(found.arm, found.drive_angle)
+        rigid = skeleton.rigid(
+            at_rest(found.arm, {name: held[name] for name in found.driven if name in held})
+        )
+    poses = _equilibrium(skeleton, found)
     largest = _farthest(poses.x - rigid.x)
     size = _size(rigid.x)
     times = _scale_of(largest, size, STYLE.shown_deformation) if scale is None else _checked(scale)
@@ -80,6 +89,7 @@ def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
     InvalidParameter
         If the modes do not say where the arm stood, as those that older versions stored.
     """
+    refuse_closures(found.arm, "the page of modes")
     if found.drive_angle is None:
         raise InvalidParameter("were stored without the pose of the arm; compute them again", where="modes")
     skeleton = Skeleton(found.arm)
@@ -126,6 +136,7 @@ def of_simulation(
     Shapes of links are not stored with a run: it is made again along its own motor angles, with rotations.
     Gaps are shown times `gaps_times`, by default so that they show.
     """
+    refuse_closures(run.arm, "the page of a run")
     skeleton = Skeleton(run.arm)
     again = _again(skeleton, run)
     frames = _frames(run.time)
@@ -260,9 +271,11 @@ def _path(name: str, x: Floats) -> Skin:
 def _equilibrium(skeleton: Skeleton, found: Statics) -> Poses:
     """Return the bones in an equilibrium, which is solved again with them."""
     forces = {} if found.force is None else dict(zip(found.points, found.force, strict=True))
+    held = drive_angles(found.arm, found.drive_angle)
+    looped = set(loop_joints(found.arm)) - set(found.driven)
     again = static(
         skeleton.seen,
-        drive_angles(found.arm, found.drive_angle),
+        {name: angle for name, angle in held.items() if name not in looped},
         {name: force for name, force in forces.items() if np.any(force)},
         at_link=found.at_link,
     )
@@ -296,6 +309,14 @@ def drive_angles(arm: Arm, angles: Floats) -> dict[str, float]:
 def _geared(arm: Arm, angles: Floats) -> Floats:
     rows = [at_rest(arm, drive_angles(arm, row))[0] for row in angles] if arm.gears else angles
     return np.array(rows)
+
+
+def _closed(arm: Arm, angles: Floats, joint: str) -> Floats:
+    """Return joint values while a joint of a loop moves and others follow; none if it cannot move so far."""
+    try:
+        return np.array([at_rest(arm, {joint: float(angle)})[0] for angle in angles])
+    except InvalidParameter:
+        return np.zeros((0, len(arm.joints)))
 
 
 def _frames(time: Floats) -> Ints:

@@ -6,9 +6,10 @@
 ///     Φ(H, s, t) = 0                                                                                 (2)
 ///
 /// Unknowns are, in this order, the freedoms of every node (six, three in a plane), the free scalar
-/// coordinates, the multipliers. Scalar coordinates are angles of joints and amplitudes of internal modes.
-/// Prescribed ones (driven angles) come after the free ones; their rows of (1) yield the torque that drives
-/// them. Equations are constant after assembly; everything that moves is in the State.
+/// coordinates, the multipliers: of joints, gears, transmissions, closures of loops. Scalar coordinates are
+/// angles of joints and amplitudes of internal modes. Prescribed ones (driven angles) come after the free
+/// ones; their rows of (1) yield the torque that drives them. Equations are constant after assembly;
+/// everything that moves is in the State.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -16,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "flexarm/assembly/loop_closures.hpp"
 #include "flexarm/assembly/mesh.hpp"
 #include "flexarm/assembly/state.hpp"
 #include "flexarm/elements/beam_pair.hpp"
@@ -144,6 +146,11 @@ class SystemIn {
   const std::vector<joints::GearConstraint>& gears() const { return gears_; }
   /// The transmission of a joint; null without one.
   const joints::Transmission* transmission(int joint) const;
+  const LoopClosures& closures() const { return closures_; }  ///< in space only
+  /// Multipliers of the closures.
+  Eigen::Ref<const VectorXd> of_closures(const StateD& state) const {
+    return state.multipliers.tail(closures_.rows());
+  }
   const std::vector<PlacedLaw>& laws() const { return laws_; }
   const std::vector<JointCoordinates>& joints() const { return joint_coordinates_; }
   const std::vector<DriveKind>& drives() const { return drives_; }
@@ -226,6 +233,8 @@ class SystemIn {
   void emit_weights(const StateD& state, const LoadsD& loads, WantedTerms wanted, Terms& terms) const;
   template <class Terms>
   void emit_joints(const StateD& state, WantedTerms wanted, Terms& terms) const;
+  template <class Terms>
+  void emit_closures(const StateD& state, WantedTerms wanted, Terms& terms) const;
   int row(const Part& part, int k) const;  // of its k-th velocity
   void pair_beams();                       // once they are complete
   void add_masses(const StateD& state, const LoadsD& loads, VectorXd& r) const;
@@ -247,6 +256,7 @@ class SystemIn {
   std::vector<elements::WeightIn<D>> weights_;  // one a node
   std::vector<Joint> constraints_;
   std::vector<joints::GearConstraint> gears_;
+  LoopClosures closures_;
   std::vector<PlacedLaw> laws_;
   std::vector<JointCoordinates> joint_coordinates_;
   PedestalCoordinates pedestal_;

@@ -17,8 +17,16 @@ class System : public SystemIn<3> {
   int joint_index(const std::string& name) const;  ///< @throws InvalidParameter listing the joints there are
   int point_index(const std::string& name) const;
 
-  /// The undeformed arm at these joint values (one a joint), at rest.
+  /// The undeformed arm at these joint values (one a joint), at rest. Free joints of loops follow the others.
+  /// @throws InvalidParameter if a loop cannot be closed there, or nothing tells where its joints are.
   State rigid_state(const std::vector<double>& joint_values) const;
+
+  bool in_loop(int joint) const { return in_loop_[joint]; }  ///< or coupled by gears to one that is
+  /// Joint values at which the loops were closed first.
+  const std::vector<double>& assembled() const { return assembled_; }
+  /// Those of `candidates`, in their order, that have to be held so that loops whose joints `held` stand
+  /// still cannot move.
+  std::vector<int> joints_to_hold(const std::vector<int>& held, const std::vector<int>& candidates) const;
 
  private:
   void mesh_links(const std::vector<std::vector<double>>& occupied);
@@ -29,6 +37,22 @@ class System : public SystemIn<3> {
   void place_gears();
   void place_transmissions();
   void place_masses();
+  void place_closures();
+  State placed(const std::vector<double>& joint_values) const;  // the tree alone
+  void close_loops();
+  std::vector<int> chain_to(int link) const;  // joints from a link to the base
+  VectorXd loop_gap(const std::vector<double>& joint_values) const;
+  MatrixXd loop_jacobian(const std::vector<double>& joint_values, const std::vector<int>& unknowns) const;
+  bool right_way(const std::vector<double>& joint_values) const;
+  struct Closed {
+    std::vector<double> values;
+    bool met = false;
+  };
+  Closed newton(std::vector<double> values, const std::vector<int>& unknowns) const;
+  Closed search(const std::vector<double>& values, const std::vector<int>& unknowns) const;
+  std::vector<double> closed(const std::vector<double>& joint_values) const;
+  MatrixXd held_by_others(const State& state, bool all_joints) const;
+  [[noreturn]] void refuse(const std::vector<double>& nearest, const std::vector<int>& unknowns) const;
   void set_damping();
   void set_bows();
   int link_index(const std::string& name) const;
@@ -38,6 +62,9 @@ class System : public SystemIn<3> {
   Frame axes(const Place& place) const { return meshes_[place.link].place_axes(place.node); }
 
   model::Arm arm_;
+  std::vector<std::pair<int, int>> loop_ends_;  // links a and b of the closures, −1: the base
+  std::vector<bool> in_loop_;                   // one a joint
+  std::vector<double> assembled_;
 };
 
 }  // namespace flexarm::assembly

@@ -70,6 +70,7 @@ void SystemIn<D>::emit_terms(const StateD& state, const LoadsD& loads, WantedTer
     if (free_minus) terms.law(laws_.size() + k, at + minus, at + of, -1);
   }
   emit_joints(state, wanted, terms);
+  emit_closures(state, wanted, terms);
 }
 
 template <int D>
@@ -184,6 +185,24 @@ void SystemIn<D>::emit_joints(const StateD& state, WantedTerms wanted, Terms& te
     const int at = scalar_offset() + gear.input;
     if (is_free(gear.input)) terms.stiffen(at, at, psi.second * state.multipliers[first_row - n_free()]);
     ++first_row;
+  }
+}
+
+template <int D>
+template <class Terms>
+void SystemIn<D>::emit_closures(const StateD& state, WantedTerms wanted, Terms& terms) const {
+  if constexpr (D == 3) {
+    if (closures_.empty()) return;
+    VectorXd mu = VectorXd::Zero(closures_.rows());
+    if (wanted.stiffness) mu = of_closures(state);
+    const int first_row = n_unknowns() - closures_.rows();
+    closures_.emit(
+        state.frames, mu,
+        [&](int row, int column, double value) {
+          terms.constrain(first_row + row, column, value);
+          terms.constrain(column, first_row + row, value);
+        },
+        [&](int row, int column, double value) { terms.stiffen(row, column, value); });
   }
 }
 

@@ -1,5 +1,6 @@
 /// @file
-/// What an arm is: a tree of links on joints, with payloads and points of interest. Plain data in SI units.
+/// What an arm is: a tree of links on joints, closures of loops between them, payloads and points of
+/// interest. Plain data in SI units.
 ///
 /// Every link has a frame. At joint values zero it coincides with the frame of the joint that carries it,
 /// which sits at `origin` from the parent link's frame (or from the frame at the far end of a beam, parallel
@@ -10,6 +11,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -17,6 +19,7 @@
 #include <vector>
 
 #include "flexarm/geometry/se3.hpp"
+#include "flexarm/joints/closure_constraint.hpp"
 #include "flexarm/joints/drive_train.hpp"
 #include "flexarm/joints/joint_constraint.hpp"
 #include "flexarm/model/section.hpp"
@@ -122,6 +125,18 @@ struct Pedestal {
   double moment(double t) const { return amplitude * std::sin(2 * std::numbers::pi * frequency * t + phase); }
 };
 
+/// Closes a loop: a condition between a place on link a and one on link b, either of which may be "base". A
+/// place sits on a beam's section at its projection on the axis, as a payload does.
+struct Closure {
+  std::string name;
+  joints::ClosureType type = joints::ClosureType::revolute;
+  std::string a, b;
+  bool a_at_end = false, b_at_end = false;  ///< origin counts from the far end of the beam
+  geometry::Frame a_origin, b_origin;
+  Vector3d axis = Vector3d::UnitZ();         ///< in the frame at a
+  Vector3d second_axis = Vector3d::UnitX();  ///< of a universal closure, in the frame at b
+};
+
 struct Arm {
   std::string name;
   Vector3d gravity{0, 0, -9.81};  ///< [m/s²]
@@ -131,6 +146,8 @@ struct Arm {
   std::vector<Point> points;
   std::vector<Gear> gears;
   std::optional<Pedestal> pedestal;  ///< without one the base stands still
+  std::vector<Closure> closures = {};
+  std::map<std::string, double> assembly = {};  ///< joint values at which loops are closed first
 };
 
 }  // namespace flexarm::model

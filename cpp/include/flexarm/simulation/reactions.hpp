@@ -34,6 +34,14 @@ double joint_torque(const SystemIn<D>& system, const StateIn<D>& state, int join
 template <int D>
 Eigen::VectorXd motor_torques(const SystemIn<D>& system, const StateIn<D>& state, bool friction);
 
+/// Force and moment that a closure puts on its link b at the place `at`, all in base axes.
+struct ClosureForce {
+  Vector6d wrench;
+  geometry::Vector3d at;
+};
+ClosureForce closure_force(const assembly::SystemIn<3>& system, const assembly::StateIn<3>& state,
+                           std::size_t k);
+
 /// Force and moment about the origin that the arm puts on the base, in base axes.
 template <int D>
 Vector6d base_wrench(const SystemIn<D>& system, const StateIn<D>& state, const InSpace<D>& space = {});

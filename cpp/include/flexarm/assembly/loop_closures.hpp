@@ -1,0 +1,122 @@
+/// @file
+/// The closures of an arm, and which of their conditions count.
+///
+///     Φ = Pᵀ g,   g: conditions of all closures,   forces Jᵀ P μ                                    (1)
+///
+/// Conditions of a loop may repeat one another: a flat loop of rigid links keeps its plane by its joints
+/// alone, so three conditions of a revolute closure are met anyway. With N an orthonormal basis of the
+/// combinations of g that the other constraints hold already,
+///
+///     1 − N Nᵀ = P Pᵀ,   Pᵀ P = 1                                                                   (2)
+///
+/// by Cholesky's method with pivots, which leaves single conditions single. The forces λ = P μ are those
+/// without a part along N, hence the smallest: rigid links do not tell more. P = 1 where nothing repeats.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "flexarm/joints/closure_constraint.hpp"
+
+namespace flexarm::assembly {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using geometry::Frame;
+using joints::ClosureConstraint;
+
+class LoopClosures {
+ public:
+  using Frames = std::vector<Frame>;
+
+  void add(const std::string& name, const ClosureConstraint& closure);
+
+  bool empty() const { return closures_.empty(); }
+  std::size_t size() const { return closures_.size(); }
+  const std::string& name(std::size_t k) const { return names_[k]; }
+  const ClosureConstraint& operator[](std::size_t k) const { return closures_[k]; }
+  int rows() const { return static_cast<int>(P_.cols()); }        ///< of Φ
+  int conditions() const { return static_cast<int>(P_.rows()); }  ///< of g
+  int redundant() const { return conditions() - rows(); }
+
+  /// Equation (2) from N, whose columns are orthonormal.
+  void leave_out(const MatrixXd& N);
+
+  VectorXd gap(const Frames& frames) const;                                                ///< g [m]
+  VectorXd violation(const Frames& frames) const { return P_.transpose() * gap(frames); }  ///< Φ
+  /// What is left of g along N, largest entry [m]: not zero where loops lock.
+  double unmet(const Frames& frames) const;
+  /// @throws NotConverged if that is more than 1e-7 of the reach [m], at a time t [s].
+  void check(const Frames& frames, double reach, double t) const;
+
+  /// Adds Φ_qᵀ μ to the rows of the nodes.
+  void add_forces(const Frames& frames, const Eigen::Ref<const VectorXd>& mu, VectorXd& r) const;
+
+  /// λ of a closure.
+  joints::Conditions multipliers(std::size_t k, const Eigen::Ref<const VectorXd>& mu) const;
+
+  /// Φ'' for velocities and accelerations of the nodes.
+  VectorXd acceleration(const Frames& frames, const VectorXd& v, const VectorXd& v_dot) const;
+
+  /// Force and moment of a closure on b at the origin of B, base axes.
+  geometry::Vector6d wrench_on_b(std::size_t k, const Frames& frames,
+                                 const Eigen::Ref<const VectorXd>& mu) const;
+
+  /// Origin of B in the base.
+  geometry::Vector3d place_on_b(std::size_t k, const Frames& frames) const {
+    return closures_[k].place_on_b(frame(frames, closures_[k].node_b()));
+  }
+
+  /// Tells entries of Φ_q, and of the geometric stiffness for multipliers mu:
+  /// constrain(row of Φ, column, value), stiffen(row, column, value), in an order that never changes.
+  template <class Constrain, class Stiffen>
+  void emit(const Frames& frames, const Eigen::Ref<const VectorXd>& mu, Constrain&& constrain,
+            Stiffen&& stiffen) const;
+
+ private:
+  static const Frame& frame(const Frames& frames, int node) {
+    static const Frame base;
+    return node < 0 ? base : frames[static_cast<std::size_t>(node)];
+  }
+  Eigen::Block<const MatrixXd> part(std::size_t k) const {  // rows of P of a closure
+    return P_.middleRows(first_[k], closures_[k].size());
+  }
+
+  std::vector<std::string> names_;
+  std::vector<ClosureConstraint> closures_;
+  std::vector<int> first_;  // row of g
+  MatrixXd P_;
+};
+
+template <class Constrain, class Stiffen>
+void LoopClosures::emit(const Frames& frames, const Eigen::Ref<const VectorXd>& mu, Constrain&& constrain,
+                        Stiffen&& stiffen) const {
+  for (std::size_t k = 0; k < closures_.size(); ++k) {
+    const ClosureConstraint& closure = closures_[k];
+    const int a = closure.node_a(), b = closure.node_b();
+    const Frame &H_a = frame(frames, a), &H_b = frame(frames, b);
+    const auto J = closure.jacobian(H_a, H_b);
+    const auto K = closure.geometric_stiffness(H_a, H_b, multipliers(k, mu));
+    const auto entries = [&](int node, const ClosureConstraint::Rows& of) {
+      if (node < 0) return;
+      for (int i = 0; i < this->rows(); ++i) {
+        if (part(k).col(i).isZero(0)) continue;
+        const Eigen::Matrix<double, 1, 6> row = part(k).col(i).transpose() * of;
+        for (int j = 0; j < 6; ++j) constrain(i, 6 * node + j, row[j]);
+      }
+    };
+    const auto block = [&](int row, int column, const geometry::Matrix6d& of) {
+      if (row < 0 || column < 0) return;
+      for (int j = 0; j < 6; ++j)
+        for (int i = 0; i < 6; ++i) stiffen(6 * row + i, 6 * column + j, of(i, j));
+    };
+    entries(a, J.a);
+    entries(b, J.b);
+    block(a, a, K.a_a);
+    block(a, b, K.a_b);
+    block(b, a, K.b_a);
+    block(b, b, K.b_b);
+  }
+}
+
+}  // namespace flexarm::assembly

@@ -1,0 +1,396 @@
+/// How loops are closed: joints of the undeformed arm are sought at which all conditions of its closures
+/// hold,
+///
+///     g(θ) = 0,   Δθ = −G⁺ g,   G = ∂g/∂θ                                                           (1)
+///
+/// by Newton's method with least-squares steps: G may have more rows than columns or the other way round, and
+/// rows that repeat one another. Of G only the joints on the way between the two ends of a closure matter,
+/// with δ = Ad(H⁻¹ B) ξ δθ the motion of a node at H by a joint at B. Lengths count in parts of the reach.
+#include <Eigen/QR>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cstdio>
+#include <random>
+
+#include "flexarm/assembly/system.hpp"
+#include "flexarm/dense.hpp"
+#include "flexarm/errors.hpp"
+
+namespace flexarm::assembly {
+namespace {
+
+using namespace geometry;
+
+// Of a joint in one step of (1) [rad, parts of the reach].
+constexpr double longest_step = 0.5;
+constexpr int most_steps = 100;
+// Conditions count as met below this part of the reach.
+constexpr double met = 1e-11;
+// Singular values below this part of the largest are zero. Exact repetitions leave 1e-12 of it.
+constexpr double rank_tolerance = 1e-8;
+// Other poses to start from, ever further away: up to half a turn.
+constexpr int most_tries = 40;
+// Driven joints move from where the loop was closed first in steps up to this, so that it stays closed the
+// same way [rad, parts of the reach].
+constexpr double drive_step = 0.1;
+
+}  // namespace
+
+void System::place_closures() {
+  struct Side {
+    int link = -1, node = joints::ClosureConstraint::ground;
+    Frame X;
+  };
+  const auto side = [&](const std::string& name, bool at_end, const Frame& origin) {
+    if (name == "base") return Side{-1, pedestal_.node, origin};
+    const Place at = place(name, at_end);
+    const auto* beam = std::get_if<model::BeamLink>(&arm_.links[at.link]);
+    if (at_end && beam == nullptr) throw InvalidParameter("only a beam has an end, '" + name + "' is none");
+    const Vector3d position = origin.x + (at_end ? beam->end : Vector3d::Zero().eval());
+    const Attachment on = attach(meshes_[at.link], position, true, at.node);
+    return Side{at.link, on.node, on.offset * Frame::rotation(origin.R)};
+  };
+  for (const model::Closure& closure : arm_.closures) {
+    try {
+      const Side a = side(closure.a, closure.a_at_end, closure.a_origin);
+      const Side b = side(closure.b, closure.b_at_end, closure.b_origin);
+      if (a.link == b.link) throw InvalidParameter("both ends are on one link, which closes no loop");
+      closures_.add(closure.name,
+                    {closure.type, a.node, a.X, b.node, b.X, closure.axis, closure.second_axis, reach_});
+      loop_ends_.emplace_back(a.link, b.link);
+    } catch (const InvalidParameter& mistake) {
+      throw InvalidParameter("closure '" + closure.name + "': " + mistake.what());
+    }
+  }
+  n_constraints_ += closures_.rows();
+}
+
+std::vector<int> System::chain_to(int link) const {
+  std::vector<int> chain;
+  while (link >= 0) {
+    const auto joint = std::find_if(arm_.joints.begin(), arm_.joints.end(),
+                                    [&](const model::Joint& j) { return place(j.child).link == link; });
+    if (joint == arm_.joints.end() || chain.size() > arm_.joints.size())
+      throw InvalidParameter("link '" + model::name_of(arm_.links[link]) +
+                             "' is not connected to the base by joints");
+    chain.push_back(static_cast<int>(joint - arm_.joints.begin()));
+    link = joint->parent == "base" ? -1 : place(joint->parent, joint->at_end).link;
+  }
+  return chain;
+}
+
+/// The conditions, then those of gears between joints of loops.
+VectorXd System::loop_gap(const std::vector<double>& joint_values) const {
+  VectorXd g = closures_.gap(placed(joint_values).frames);
+  for (const model::Gear& gear : arm_.gears) {
+    const int in = joint_index(gear.input), out = joint_index(gear.output);
+    if (!in_loop_[in]) continue;
+    g.conservativeResize(g.size() + 1);
+    g[g.size() - 1] = reach_ * (joint_values[in] - gear.ratio * joint_values[out]);
+  }
+  return g;
+}
+
+/// Columns of slides times the reach, so that all columns are lengths.
+MatrixXd System::loop_jacobian(const std::vector<double>& joint_values,
+                               const std::vector<int>& unknowns) const {
+  const State state = placed(joint_values);
+  const auto n = static_cast<Eigen::Index>(unknowns.size());
+  MatrixXd G = MatrixXd::Zero(loop_gap(joint_values).size(), n);
+  int row = 0;
+  for (std::size_t k = 0; k < closures_.size(); ++k) {
+    const joints::ClosureConstraint& closure = closures_[k];
+    const auto J = closure.jacobian(frame(state, closure.node_a()), frame(state, closure.node_b()));
+    const auto add = [&](int link, int node, const joints::ClosureConstraint::Rows& rows) {
+      for (const int j : chain_to(link)) {
+        const auto column = std::find(unknowns.begin(), unknowns.end(), j);
+        if (column == unknowns.end()) continue;
+        const joints::JointConstraint& joint = constraints_[j];
+        const Frame B = frame(state, joint.node_b()) * joint.frame_b();
+        const Frame from_node = relative<3>(frame(state, node), B);
+        G.block(row, column - unknowns.begin(), closure.size(), 1) +=
+            rows * adjoint_product<3>(from_node, joint.twist());
+      }
+    };
+    add(loop_ends_[k].first, closure.node_a(), J.a);
+    add(loop_ends_[k].second, closure.node_b(), J.b);
+    row += closure.size();
+  }
+  for (const model::Gear& gear : arm_.gears) {
+    const int in = joint_index(gear.input), out = joint_index(gear.output);
+    if (!in_loop_[in]) continue;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (unknowns[i] == in) G(row, i) += reach_;
+      if (unknowns[i] == out) G(row, i) -= reach_ * gear.ratio;
+    }
+    ++row;
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (arm_.joints[unknowns[i]].type == joints::JointType::prismatic) G.col(i) *= reach_;
+  }
+  return G;
+}
+
+bool System::right_way(const std::vector<double>& joint_values) const {
+  const State state = placed(joint_values);
+  for (std::size_t k = 0; k < closures_.size(); ++k) {
+    if (!closures_[k].right_way(frame(state, closures_[k].node_a()), frame(state, closures_[k].node_b())))
+      return false;
+  }
+  return true;
+}
+
+namespace {
+
+Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposed(const MatrixXd& G) {
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> qr;
+  qr.setThreshold(rank_tolerance);
+  qr.compute(G);
+  return qr;
+}
+
+}  // namespace
+
+/// Equation (1), each step shortened until the conditions come closer.
+System::Closed System::newton(std::vector<double> values, const std::vector<int>& unknowns) const {
+  const auto moved = [&](const VectorXd& step) {
+    std::vector<double> to = values;
+    for (std::size_t i = 0; i < unknowns.size(); ++i) {
+      const bool slides = arm_.joints[unknowns[i]].type == joints::JointType::prismatic;
+      to[unknowns[i]] += (slides ? reach_ : 1.0) * step[static_cast<Eigen::Index>(i)];
+    }
+    return to;
+  };
+  VectorXd g = loop_gap(values);
+  for (int k = 0; k < most_steps && !unknowns.empty(); ++k) {
+    const bool close = g.lpNorm<Eigen::Infinity>() <= met * reach_;
+    VectorXd step = -decomposed(loop_jacobian(values, unknowns)).solve(g);
+    if (!step.allFinite()) break;
+    step *= std::min(1.0, longest_step / std::max(step.lpNorm<Eigen::Infinity>(), 1e-300));
+    bool closer = false;
+    for (int halvings = 0; halvings < 20 && !closer; ++halvings, step *= 0.5) {
+      const std::vector<double> trial = moved(step);
+      const VectorXd there = loop_gap(trial);
+      if (!(there.norm() < g.norm())) continue;
+      closer = true;
+      values = trial;
+      g = there;
+    }
+    if (!closer || close) break;  // to rounding, or nowhere
+  }
+  return {values, g.lpNorm<Eigen::Infinity>() <= met * reach_ && right_way(values)};
+}
+
+/// Newton's method from the values, then from others; of those that fail the nearest is told.
+System::Closed System::search(const std::vector<double>& values, const std::vector<int>& unknowns) const {
+  Closed best = newton(values, unknowns);
+  std::mt19937 generator(1);  // the same tries every time
+  for (int k = 1; k <= most_tries && !best.met; ++k) {
+    std::uniform_real_distribution<double> any(-1, 1);
+    std::vector<double> start = values;
+    for (const int j : unknowns) {
+      const bool slides = arm_.joints[j].type == joints::JointType::prismatic;
+      start[j] += k * (slides ? reach_ : 3.2) * any(generator) / most_tries;
+    }
+    const Closed found = newton(start, unknowns);
+    if (found.met || loop_gap(found.values).norm() < loop_gap(best.values).norm()) best = found;
+  }
+  return best;
+}
+
+void System::refuse(const std::vector<double>& nearest, const std::vector<int>& unknowns) const {
+  const State state = placed(nearest);
+  std::size_t worst = 0;
+  double largest = -1;
+  std::vector<joints::ClosureConstraint::Apart> apart;
+  for (std::size_t k = 0; k < closures_.size(); ++k) {
+    apart.push_back(
+        closures_[k].apart(frame(state, closures_[k].node_a()), frame(state, closures_[k].node_b())));
+    const double size = apart[k].distance + reach_ * apart[k].angle;
+    if (size > largest) worst = k;
+    largest = std::max(largest, size);
+  }
+  std::string held;
+  for (std::size_t j = 0; j < in_loop_.size(); ++j) {
+    if (!in_loop_[j] || std::find(unknowns.begin(), unknowns.end(), static_cast<int>(j)) != unknowns.end())
+      continue;
+    if (joint_coordinates_[j].phi < 0) continue;
+    char one[80];
+    std::snprintf(one, sizeof one, " = %.6g", nearest[j]);
+    held += (held.empty() ? " with " : ", ") + arm_.joints[j].name + one;
+  }
+  char gap[120];
+  std::snprintf(gap, sizeof gap, "%.3g m", apart[worst].distance);
+  std::string text = gap;
+  if (apart[worst].angle > 1e-6) {
+    std::snprintf(gap, sizeof gap, " and %.3g rad", apart[worst].angle);
+    text += gap;
+  }
+  throw InvalidParameter("closure '" + closures_.name(worst) + "' cannot be closed" + held + ": " + text +
+                         " apart at the nearest");
+}
+
+/// Orthonormal combinations of the closures' rows that the other constraints hold already. @param all_joints
+/// may move, also those that are driven
+MatrixXd System::held_by_others(const State& state, bool all_joints) const {
+  const int columns = all_joints ? n_velocities() : n_free();
+  const auto counts = [&](int scalar) { return scalar >= 0 && (all_joints || is_free(scalar)); };
+  VectorXd length = VectorXd::Constant(columns, 1 / reach_);  // rotations in parts of the reach
+  for (int k = 0; k < n_nodes_; ++k) length.segment<3>(6 * k).setOnes();
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](int row, int column, double value) {
+    if (value != 0) entries.emplace_back(row, column, value * length[column]);
+  };
+  int row = 0;
+  for (const Joint& joint : constraints_) {
+    const int a = joint.node_a(), b = joint.node_b(), q = joint.coordinate();
+    const auto J = joint.jacobian(frame(state, a), frame(state, b), q < 0 ? 0.0 : state.s[q]);
+    for (int i = 0; i < joint.rows(); ++i) {
+      for (int j = 0; j < 6; ++j) {
+        add(row + i, 6 * b + j, J.b(i, j));
+        if (a >= 0) add(row + i, 6 * a + j, J.a(i, j));
+      }
+      if (counts(q)) add(row + i, scalar_offset() + q, J.theta[i]);
+    }
+    row += joint.rows();
+  }
+  for (const joints::GearConstraint& gear : gears_) {
+    if (counts(gear.input))
+      add(row, scalar_offset() + gear.input, gear.transmission(state.s[gear.input]).first);
+    if (counts(gear.output)) add(row, scalar_offset() + gear.output, -1);
+    ++row;
+  }
+  Eigen::SparseMatrix<double> J(row, columns);
+  J.setFromTriplets(entries.begin(), entries.end());
+  MatrixXd R = MatrixXd::Zero(columns, closures_.rows());
+  closures_.emit(
+      state.frames, VectorXd::Zero(closures_.rows()),
+      [&](int i, int column, double value) { R(column, i) += value * length[column]; },
+      [](int, int, double) {});
+  const Eigen::SparseMatrix<double> JJ = J * J.transpose();
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(JJ);
+  for (int pass = 0; pass < 2; ++pass)  // once more against rounding
+    R -= J.transpose() * MatrixXd(factor.solve(MatrixXd(J * R)));
+  const auto [values, vectors] = dense::right_singular(R);
+  const Eigen::Index rank = (values.array() > rank_tolerance).count();
+  return vectors.rightCols(vectors.cols() - rank);
+}
+
+void System::close_loops() {
+  in_loop_.assign(arm_.joints.size(), false);
+  if (closures_.empty()) return;
+  for (const auto& [a, b] : loop_ends_) {
+    const std::vector<int> of_a = chain_to(a), of_b = chain_to(b);
+    const auto only = [&](const std::vector<int>& chain, const std::vector<int>& other) {
+      for (const int j : chain) {
+        if (std::find(other.begin(), other.end(), j) == other.end()) in_loop_[j] = true;
+      }
+    };
+    only(of_a, of_b);
+    only(of_b, of_a);
+  }
+  for (std::size_t pass = 0; pass < arm_.gears.size(); ++pass) {
+    for (const model::Gear& gear : arm_.gears) {
+      const int in = joint_index(gear.input), out = joint_index(gear.output);
+      in_loop_[in] = in_loop_[out] = in_loop_[in] || in_loop_[out];
+    }
+  }
+  std::vector<double> start(arm_.joints.size(), 0.0);
+  for (const auto& [name, value] : arm_.assembly) start[joint_index(name)] = value;
+  std::vector<int> joints, unstated;
+  for (int j = 0; j < static_cast<int>(in_loop_.size()); ++j) {
+    if (!in_loop_[j] || joint_coordinates_[j].phi < 0) continue;
+    joints.push_back(j);
+    if (!arm_.assembly.contains(arm_.joints[j].name)) unstated.push_back(j);
+  }
+  Closed found = newton(start, unstated);
+  if (!found.met) found = search(start, joints);
+  if (!found.met) refuse(found.values, joints);
+  assembled_ = found.values;
+
+  MatrixXd N = held_by_others(placed(assembled_), true);
+  std::mt19937 generator(1);
+  for (int k = 0; k < 3 && N.cols() > 0; ++k) {  // where links are in line conditions repeat only there
+    std::uniform_real_distribution<double> any(-0.1, 0.1);
+    std::vector<double> values = assembled_;
+    for (const int j : joints) {
+      values[j] += any(generator) * (arm_.joints[j].type == joints::JointType::prismatic ? reach_ : 1.0);
+    }
+    const Closed nearby = newton(values, joints);
+    if (!nearby.met) continue;
+    const MatrixXd other = held_by_others(placed(nearby.values), true);
+    if (other.cols() < N.cols()) N = other;
+  }
+  if (N.cols() == 0) return;
+  closures_.leave_out(N);
+  n_constraints_ -= closures_.redundant();
+}
+
+/// The driven joints walk from where the loops were closed first; the others follow.
+std::vector<double> System::closed(const std::vector<double>& joint_values) const {
+  if (joint_values.size() != arm_.joints.size()) return joint_values;  // placed() tells
+  std::vector<int> unknowns;
+  std::vector<double> now = assembled_, driven = joint_values;
+  double farthest = 0;
+  for (std::size_t j = 0; j < driven.size(); ++j) {
+    if (!in_loop_[j]) {
+      now[j] = driven[j];
+    } else if (drives_[j] == DriveKind::free) {
+      unknowns.push_back(static_cast<int>(j));
+      driven[j] = assembled_[j];
+    } else {
+      const double unit = arm_.joints[j].type == joints::JointType::prismatic ? reach_ : 1.0;
+      farthest = std::max(farthest, std::abs(driven[j] - assembled_[j]) / unit);
+    }
+  }
+  const std::vector<double> begin = now;
+  const int steps = std::clamp(static_cast<int>(std::ceil(farthest / drive_step)), 1, 1000);
+  Closed found{now, false};
+  for (int k = 1; k <= steps; ++k) {
+    std::vector<double> next = found.values;
+    for (std::size_t j = 0; j < next.size(); ++j) {
+      if (std::find(unknowns.begin(), unknowns.end(), static_cast<int>(j)) != unknowns.end()) continue;
+      next[j] = k == steps ? driven[j] : begin[j] + (driven[j] - begin[j]) * k / steps;
+    }
+    found = newton(next, unknowns);
+  }
+  if (!found.met) found = search(found.values, unknowns);
+  if (!found.met) refuse(found.values, unknowns);
+  if (held_by_others(placed(found.values), false).cols() > 0) {
+    std::string names;
+    for (std::size_t j = 0; j < in_loop_.size(); ++j) {
+      if (in_loop_[j] && joint_coordinates_[j].phi >= 0 && drives_[j] != DriveKind::free)
+        names += (names.empty() ? "" : ", ") + arm_.joints[j].name;
+    }
+    throw InvalidParameter("the loops of the closures are singular at this pose: its driven joints (" +
+                           (names.empty() ? std::string("none") : names) +
+                           ") leave the forces in them open, as where links are in line, or where more "
+                           "joints are driven than the loops let move");
+  }
+  return found.values;
+}
+
+std::vector<int> System::joints_to_hold(const std::vector<int>& held,
+                                        const std::vector<int>& candidates) const {
+  if (closures_.empty()) return {};
+  std::vector<int> unknowns, hold;
+  for (int j = 0; j < static_cast<int>(in_loop_.size()); ++j) {
+    const bool stands = std::find(held.begin(), held.end(), j) != held.end();
+    if (in_loop_[j] && joint_coordinates_[j].phi >= 0 && !stands) unknowns.push_back(j);
+  }
+  const auto rank = [&](const std::vector<int>& of) {
+    return of.empty() ? 0 : decomposed(loop_jacobian(assembled_, of)).rank();
+  };
+  const Eigen::Index needed = rank(unknowns);
+  for (const int j : candidates) {
+    if (static_cast<Eigen::Index>(unknowns.size()) == needed) break;
+    std::vector<int> rest = unknowns;
+    std::erase(rest, j);
+    if (rest.size() == unknowns.size() || rank(rest) < needed) continue;
+    unknowns = rest;
+    hold.push_back(j);
+  }
+  return hold;
+}
+
+}  // namespace flexarm::assembly

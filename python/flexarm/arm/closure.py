@@ -1,0 +1,112 @@
+"""Closures: conditions that close a loop in the tree of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from math import hypot
+from typing import TYPE_CHECKING, Literal, Self
+
+from pydantic import Field, model_validator
+
+from flexarm.arm.gears import coupled_joints
+from flexarm.arm.joint import Joint, Origin
+from flexarm.arm.names import Place, link_of
+from flexarm.errors import InvalidParameter
+from flexarm.tables import Inconsistent, Name, Table, Vector3, value_in
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
+
+WITHOUT_AXIS = ("spherical", "fixed")
+"""Types that have no axis."""
+
+
+class Closure(Table):
+    """A closure: a joint that ties a place on link `a` to a place on link `b` and so closes a loop.
+
+    Parameters
+    ----------
+    name : str
+        Name, used by results.
+    type : {"revolute", "spherical", "universal", "cylindrical", "prismatic", "fixed", "point_on_line"}
+        Condition between the frames at a and b. The line of `point_on_line` is the axis at a.
+    a, b : str
+        "base" or a link; `link:interface` on a super-element.
+    a_at, b_at : {"start", "end"}
+        From where on a beam the origin is measured: the link's frame, or its far end.
+    a_origin, b_origin : Origin
+        From there to the frame of the closure. On a beam the frame sits on the section at its projection.
+    axis : (3,)
+        Axis in the frame at a, any length but zero; of a joint with an axis the frame at b has the same.
+    second_axis : (3,), optional
+        Of a universal closure: the axis in the frame at b that stays across `axis`; default: x, y or z,
+        the first that is farthest from the direction of `axis`.
+    """
+
+    name: Name = Field(description="name of the closure")
+    type: Literal[
+        "revolute", "spherical", "universal", "cylindrical", "prismatic", "fixed", "point_on_line"
+    ] = Field(description="revolute, spherical, universal, cylindrical, prismatic, fixed or point_on_line")
+    a: Place = Field(description='"base" or the name of a link')
+    b: Place = Field(description='"base" or the name of a link')
+    a_at: Literal["start", "end"] = "start"
+    b_at: Literal["start", "end"] = "start"
+    a_origin: Origin = Origin()
+    b_origin: Origin = Origin()
+    axis: Vector3 = value_in("-", "axis of the closure", (0.0, 0.0, 0.0))
+    second_axis: Vector3 | None = value_in("-", "second axis of a universal closure", None)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.type not in WITHOUT_AXIS and "axis" not in self.model_fields_set:
+            raise Inconsistent((("axis",), f"is missing; {self.type} needs an axis such as [0, 1, 0]"))
+        if self.type not in WITHOUT_AXIS and hypot(*self.axis) == 0:
+            raise Inconsistent((("axis",), f"must not be zero, got {list(self.axis)}"))
+        if self.type != "universal" and self.second_axis is not None:
+            raise Inconsistent((("second_axis",), f"belongs to universal closures, this one is {self.type}"))
+        if self.second_axis is not None and hypot(*self.second_axis) == 0:
+            raise Inconsistent((("second_axis",), f"must not be zero, got {list(self.second_axis)}"))
+        return self
+
+    @property
+    def across(self) -> tuple[float, float, float]:
+        """The second axis, or its default."""
+        if self.second_axis is not None:
+            return self.second_axis
+        farthest = min(range(3), key=lambda i: abs(self.axis[i]))
+        x, y, z = (float(i == farthest) for i in range(3))
+        return x, y, z
+
+
+def refuse_closures(arm: Arm, what: str) -> None:
+    """Refuse an arm with closures.
+
+    Raises
+    ------
+    InvalidParameter
+        That names what does not take them.
+    """
+    if arm.closures:
+        names = ", ".join(closure.name for closure in arm.closures)
+        raise InvalidParameter(
+            f"{what} does not take closures yet, the model has {names}; static, modes and simulate do",
+            where="closures",
+        )
+
+
+def loop_joints(arm: Arm) -> tuple[str, ...]:
+    """Return the moving joints of the loops and those that gears couple to them, in the model's order."""
+    holder = {link_of(joint.child): joint for joint in arm.joints}
+    found: set[str] = set()
+    for closure in arm.closures:
+        chains = [set(_chain(link_of(place), holder)) for place in (closure.a, closure.b)]
+        found |= chains[0] ^ chains[1]
+    found = coupled_joints(found, arm.gears)
+    return tuple(joint.name for joint in arm.moving_joints if joint.name in found)
+
+
+def _chain(link: str, holder: Mapping[str, Joint]) -> Iterable[str]:
+    """Yield the joints from a link to the base."""
+    while link in holder:
+        yield holder[link].name
+        link = link_of(holder[link].parent)
