@@ -77,7 +77,7 @@ def _headline(f: Findings) -> Iterator[str]:
     for cost in f.costs:
         k = int(np.argmax(cost.first))
         alone, whole = (with_unit(size, cost.unit) for size in (float(cost.each[k]), cost.rms))
-        yield f"{f.parameters[k][0]} costs most: {alone} rms of {cost.name} alone, of {whole} of all together."
+        yield f"{f.parameters[k][0]} costs most: {alone} rms of {cost.name} alone, of {whole} in all."
     for target in f.targets[: 0 if f.costs else MOST_SENTENCES]:
         if target.indices is not None:
             k = int(np.argmax(target.indices.first))
