@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arguments import FLAG, JOBS, PATH, TEXT, takes
 from flexarm.campaigns.cases import label_names
-from flexarm.campaigns.engine import client_of, compute_here, compute_with
+from flexarm.campaigns.engine import client_of, compute_here, compute_with, page_of
 from flexarm.campaigns.findings import findings_of
 from flexarm.campaigns.job import Row
 from flexarm.campaigns.outcome import Outcome
@@ -260,8 +260,8 @@ def _compute(
             compute_here(plan.job, plan.tasks(pending, task_size(each, plan.row_bytes, 1), 1), put)
         else:
             with client_of(scheduler, jobs, store.room) as client:
-                if link := client.dashboard_link if scheduler or _has_page() else "":
-                    say(f"Dask's page: {link}")
+                if address := page_of(client):
+                    say(f"Dask's page: {address}")
                 workers = max(1, sum(client.nthreads().values()))
                 size = task_size(each, plan.row_bytes, workers)
                 compute_with(client, plan.job, plan.tasks(pending, size, workers), put)
@@ -271,12 +271,6 @@ def _compute(
 def _here(jobs: int | None, seconds: float) -> bool:
     """Return True if this process should compute alone: one job, or less work than a start of workers."""
     return (jobs or os.cpu_count() or 1) == 1 or (jobs is None and seconds < START_SECONDS)
-
-
-def _has_page() -> bool:
-    from importlib.util import find_spec
-
-    return find_spec("bokeh") is not None
 
 
 def task_size(seconds: float, row_bytes: int, workers: int) -> int:
