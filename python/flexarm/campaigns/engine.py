@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -192,8 +192,14 @@ def client_of(scheduler: str | None, jobs: int | None, room: Path) -> Iterator[C
     """
     dask = _dask()
     if scheduler is None:
-        with _local(jobs, room) as cluster, dask.Client(cluster) as client:
+        cluster = _local(jobs, room)
+        client = dask.Client(cluster)
+        try:
             yield client
+        finally:
+            for each in (client, cluster):
+                with suppress(Exception):  # a worker that is being started again cannot be stopped
+                    each.close()
         return
     try:
         client = dask.Client(scheduler, timeout=CONNECT_SECONDS, set_as_default=False)
