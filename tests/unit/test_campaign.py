@@ -10,6 +10,7 @@ import flexarm
 from flexarm import InvalidFile
 from flexarm.arm.parameter import with_value
 from flexarm.campaigns import campaign as campaigns
+from flexarm.campaigns.plan import cut
 from flexarm.campaigns.store import Store
 from flexarm.effects.backlash import Backlash
 
@@ -106,7 +107,7 @@ def stopped_after(parts: int, monkeypatch):
 
 def test_what_is_done_is_not_computed_again(simulated, tmp_path, monkeypatch):
     whole = flexarm.campaign(simulated, tmp_path / "whole", jobs=1).dataset
-    monkeypatch.setattr(campaigns, "TASKS_EACH", 8)
+    monkeypatch.setattr(campaigns, "task_size", lambda *of: 2)
     with monkeypatch.context() as patched:
         stopped_after(3, patched)
         with pytest.raises(KeyboardInterrupt):
@@ -124,6 +125,21 @@ def test_what_is_done_is_not_computed_again(simulated, tmp_path, monkeypatch):
     data = flexarm.campaign(simulated, tmp_path / "out", resume=True, jobs=1).dataset
     assert computed == list(range(6, 16))  # tasks of two, three of which were kept
     assert data.drop_vars("seconds").equals(whole.drop_vars("seconds"))
+
+
+def test_tasks_are_cut_smaller_towards_the_end():
+    tasks = list(cut(100, 12, 2))
+    assert [end for _, end in tasks[:-1]] == [begin for begin, _ in tasks[1:]]
+    assert (tasks[0][0], tasks[-1][1]) == (0, 100)
+    sizes = [end - begin for begin, end in tasks]
+    assert sizes == sorted(sizes, reverse=True)
+    assert (sizes[0], sizes[-4:]) == (12, [1] * 4)
+
+
+def test_a_task_takes_longer_where_there_are_many_workers():
+    assert [campaigns.task_size(0.01, 8, workers) for workers in (2, 100, 1000)] == [200, 200, 2000]
+    assert campaigns.task_size(100.0, 8, 2) == 1
+    assert campaigns.task_size(1e-3, 2**20, 2) == 32  # what it returns is bounded
 
 
 def test_another_study_does_not_go_on_with_this_one(simulated, tmp_path):

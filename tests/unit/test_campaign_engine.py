@@ -44,6 +44,19 @@ def test_two_workers_give_what_one_process_gives(client, tmp_path):
     assert len({line.split()[1] for line in (tmp_path / "log").read_text().splitlines()}) == 2
 
 
+def test_no_other_machine_reaches_the_cluster_of_a_campaign(client):
+    psutil = pytest.importorskip("psutil")
+    here = psutil.Process()
+    found = [
+        each.laddr.ip
+        for process in (here, *here.children(recursive=True))
+        for each in process.net_connections()
+        if each.status == psutil.CONN_LISTEN
+    ]
+    assert len(found) > 4
+    assert set(found) == {"127.0.0.1"}
+
+
 def test_few_tasks_are_under_way_at_once(client, tmp_path):
     """Two for each of two workers, and one that is being put."""
     given, put, most = 0, 0, []
@@ -99,13 +112,18 @@ def test_a_scheduler_that_is_nowhere_is_told(tmp_path, monkeypatch):
 
 
 def test_an_existing_scheduler_is_used_and_left_as_it_was(client, tmp_path):
-    study = study_in(tmp_path)
-    data = flexarm.campaign(study, tmp_path / "out", scheduler=client.scheduler.address).dataset
+    """By the command, which has no other client in its process."""
+    study, address = study_in(tmp_path), client.scheduler.address
+    code = "import sys; from flexarm.cli import main; main(sys.argv[1:])"
+    command = ["campaign", str(study), "--out", str(tmp_path / "out"), "--scheduler", address]
+    done = subprocess.run([sys.executable, "-c", code, *command], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("16 runs, 16 ok, 0 failed")
+    data = flexarm.Campaign.load(tmp_path / "out").dataset
     alone = flexarm.campaign(study, tmp_path / "alone", jobs=1).dataset
     assert data.drop_vars("seconds").equals(alone.drop_vars("seconds"))
-    assert client.run(lambda: len(sys.modules["flexarm.campaigns.engine"]._jobs)) == dict.fromkeys(
-        client.run(lambda: 0), 0
-    )
+    left = client.run(lambda: len(sys.modules["flexarm.campaigns.engine"]._jobs))
+    assert set(left.values()) == {0}
 
 
 LONG = SIMULATED.replace("n = 16", "n = 128")

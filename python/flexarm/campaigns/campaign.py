@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arguments import FLAG, JOBS, PATH, TEXT, takes
 from flexarm.campaigns.cases import label_names
-from flexarm.campaigns.engine import client_of, compute_here, compute_with
+from flexarm.campaigns.engine import client_of, compute_here, compute_with, page_of
 from flexarm.campaigns.findings import findings_of
 from flexarm.campaigns.job import Row
 from flexarm.campaigns.outcome import Outcome
@@ -34,14 +34,12 @@ if TYPE_CHECKING:
 
 STUDY, SUMMARY = "study.json", "summary.html"
 FORMAT = "flexarm-campaign/1"
-TASK_SECONDS = 4.0
-"""Time that a task should take [s]: the engine costs a few milliseconds for each."""
+TASK_SECONDS, FOR_EACH_WORKER = 2.0, 0.02
+"""Time that a task should take at least, and for each worker [s]: the engine needs 5 to 10 ms for one."""
+TASK_BYTES, TASK_RUNS = 2**25, 10_000
+"""What a task may return at most: bytes of rows, and rows."""
 START_SECONDS = 5.0
 """Work for which no workers are started [s]."""
-MOST_IN_TASK = 500
-"""Runs in one task at most."""
-TASKS_EACH = 8
-"""Tasks that each worker should have at least, so that all end at about the same time."""
 MOST_FAILURES = 1000
 """Failures that study.json lists; it counts all."""
 
@@ -259,13 +257,14 @@ def _compute(
         if not pending:
             pass
         elif scheduler is None and _here(jobs, each * len(pending)):
-            compute_here(plan.job, plan.tasks(pending, _size(each, len(pending), 1)), put)
+            compute_here(plan.job, plan.tasks(pending, task_size(each, plan.row_bytes, 1), 1), put)
         else:
             with client_of(scheduler, jobs, store.room) as client:
-                if link := client.dashboard_link if scheduler or _has_page() else "":
-                    say(f"Dask's page: {link}")
-                workers = sum(client.nthreads().values())
-                compute_with(client, plan.job, plan.tasks(pending, _size(each, len(pending), workers)), put)
+                if address := page_of(client):
+                    say(f"Dask's page: {address}")
+                workers = max(1, sum(client.nthreads().values()))
+                size = task_size(each, plan.row_bytes, workers)
+                compute_with(client, plan.job, plan.tasks(pending, size, workers), put)
         _write(plan, store, nominal)
 
 
@@ -274,17 +273,10 @@ def _here(jobs: int | None, seconds: float) -> bool:
     return (jobs or os.cpu_count() or 1) == 1 or (jobs is None and seconds < START_SECONDS)
 
 
-def _has_page() -> bool:
-    from importlib.util import find_spec
-
-    return find_spec("bokeh") is not None
-
-
-def _size(seconds: float, pending: int, workers: int) -> int:
-    """Return the number of runs in a task, given the time of one run [s]."""
-    enough = int(TASK_SECONDS / max(seconds, 1e-6))
-    spread = -(-pending // (TASKS_EACH * max(workers, 1)))
-    return max(1, min(enough, spread, MOST_IN_TASK))
+def task_size(seconds: float, row_bytes: int, workers: int) -> int:
+    """Return the greatest number of runs in a task, given the time [s] and the size of one."""
+    enough = int(max(TASK_SECONDS, FOR_EACH_WORKER * workers) / max(seconds, 1e-6))
+    return max(1, min(enough, TASK_BYTES // row_bytes, TASK_RUNS))
 
 
 @dataclass

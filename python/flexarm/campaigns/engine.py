@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -43,7 +43,7 @@ def compute_with(client: Client, job: Job, tasks: Iterable[Task], put: Put) -> N
     """
     waiting, under_way, suspects = iter(tasks), dict[Any, Task](), list[Task]()
     with _sent(client, job) as name:
-        done = _dask().as_completed([], with_results=True, raise_errors=False)
+        done = _dask().as_completed([], loop=client.loop, with_results=True, raise_errors=False)
 
         def submit() -> None:
             for _, task in zip(range(_ahead(client) - len(under_way)), waiting, strict=False):
@@ -102,6 +102,18 @@ def _dask() -> Any:
     except ImportError:
         what = 'needs Dask: pip install "flexarm[campaign]"; with one job the runs are made in this process'
         raise InvalidParameter(what, where="campaign") from None
+
+
+def page_of(client: Client) -> str:
+    """Return the address of Dask's page, or nothing where the scheduler has none."""
+
+    def draws() -> bool:
+        from importlib.util import find_spec
+
+        return find_spec("bokeh") is not None
+
+    drawn = client.run_on_scheduler(draws)
+    return str(client.dashboard_link) if drawn else ""
 
 
 def _ahead(client: Client) -> int:
@@ -180,8 +192,14 @@ def client_of(scheduler: str | None, jobs: int | None, room: Path) -> Iterator[C
     """
     dask = _dask()
     if scheduler is None:
-        with _local(jobs, room) as cluster, dask.Client(cluster) as client:
+        cluster = _local(jobs, room)
+        client = dask.Client(cluster)
+        try:
             yield client
+        finally:
+            for each in (client, cluster):
+                with suppress(Exception):  # a worker that is being started again cannot be stopped
+                    each.close()
         return
     try:
         client = dask.Client(scheduler, timeout=CONNECT_SECONDS, set_as_default=False)
@@ -201,7 +219,6 @@ CONNECT_SECONDS = 10
 def _local(jobs: int | None, room: Path) -> Any:
     """Return a cluster of processes of one thread each that only this machine reaches."""
     import os
-    from importlib.util import find_spec
 
     with _quiet_tracker():
         return _dask().LocalCluster(
@@ -209,7 +226,7 @@ def _local(jobs: int | None, room: Path) -> Any:
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address="127.0.0.1:0" if find_spec("bokeh") else None,
+            dashboard_address="127.0.0.1:0",
             local_directory=str(room),
             silence_logs=50,
         )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.campaigns.indices import Indices, from_saltelli, from_samples
+from flexarm.campaigns.indices import LEAST, Indices, SeriesIndices, from_saltelli, from_samples
 from flexarm.campaigns.trends import Trend, times_of, trend
 
 if TYPE_CHECKING:
@@ -78,6 +78,34 @@ class Band:
 
 
 @dataclass(frozen=True)
+class Cost:
+    """How far each parameter alone moves a series.
+
+    Attributes
+    ----------
+    name, unit : str
+        Of the series.
+    rms : float
+        Standard deviation over the runs, rms over the instants, of all channels together.
+    first : ndarray, shape (d,)
+        Part of its square that each parameter explains alone.
+    chance : float
+        Part below which it may be chance.
+    """
+
+    name: str
+    unit: str
+    rms: float
+    first: Floats
+    chance: float
+
+    @property
+    def each(self) -> Floats:
+        """Standard deviation that each parameter makes by itself."""
+        return self.rms * np.sqrt(np.maximum(self.first, 0.0))
+
+
+@dataclass(frozen=True)
 class Yield:
     """Share of runs within a tolerance; a failed run is not.
 
@@ -113,7 +141,7 @@ class Findings:
         Why, the most frequent first.
     parameters : tuple of (str, str)
         Keys and units.
-    targets, bands, yields
+    targets, bands, costs, yields
         Of runs of a model.
     named : tuple of (str, int, float)
         Of diagnoses: effect and place, how many named it, mean probability there.
@@ -134,6 +162,7 @@ class Findings:
     parameters: tuple[tuple[str, str], ...]
     targets: tuple[Target, ...] = ()
     bands: tuple[Band, ...] = ()
+    costs: tuple[Cost, ...] = ()
     yields: tuple[Yield, ...] = ()
     named: tuple[tuple[str, int, float], ...] = ()
     verdicts: tuple[tuple[str, int], ...] = ()
@@ -173,6 +202,7 @@ def findings_of(data: xr.Dataset, keys: Sequence[str], labels: Sequence[str], se
         *about,
         targets=tuple(targets[:MOST_TARGETS]),
         bands=tuple(_bands(data, ok)),
+        costs=tuple(_costs(data, keys, ok)),
         yields=tuple(_yields(data, ok)),
         more_targets=max(0, len(targets) - MOST_TARGETS),
     )
@@ -270,6 +300,34 @@ def _bands(data: xr.Dataset, ok: Any) -> Iterator[Band]:
                     np.asarray(data[time_name].values[instants]),
                     quantiles[k],
                 )
+
+
+def _costs(data: xr.Dataset, keys: Sequence[str], ok: Any) -> Iterator[Cost]:
+    """Yield what each parameter makes of every series, over independent rows of the samples alone."""
+    x = np.stack([data[key].values for key in keys], axis=1)
+    if "block" in data.coords:
+        ok = ok & np.isin(data["block"].values, ("A", "B"))
+    for name in _measured(data, "series"):
+        variable, shares, squares, chance = data[name], [], [], 0.0
+        for rows in _case_rows(data):
+            good = ok[rows]
+            if good.sum() < LEAST:
+                continue
+            gathered, instants = SeriesIndices(x[rows][good]), 0
+            step = max(1, PIECE // (8 * len(good) * int(np.prod(variable.shape[2:], dtype=int))))
+            for first in range(0, variable.shape[1], step):
+                values = np.asarray(variable[rows, first : first + step].values)[good]
+                known = np.isfinite(values).reshape(*values.shape[:2], -1).all(axis=(0, 2))
+                gathered.add(values[:, known].reshape(len(values), -1))
+                instants += int(known.sum())
+            shares.append(gathered.first)
+            chance = max(chance, gathered.chance)
+            squares.append(gathered.variance / max(instants, 1))
+        if shares and sum(squares) > 0:
+            explained = np.average(shares, axis=0, weights=squares)
+            yield Cost(
+                name, str(variable.attrs["units"]), float(np.sqrt(np.mean(squares))), explained, chance
+            )
 
 
 def _yields(data: xr.Dataset, ok: Any) -> Iterator[Yield]:

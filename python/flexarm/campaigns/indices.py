@@ -1,18 +1,21 @@
 """Sobol indices: the part of a result's variance that each parameter explains.
 
-From any independent samples, of y in M bins of equal probability of a parameter (each value, where it has
-few), with n samples, bin means m_b, counts n_b and the mean m,
+From any n independent samples of y, regressed on one parameter by p functions, linear between knots at
+quantiles (of a parameter with few values: one constant each),
 
-    eta^2 = sum n_b (m_b - m)^2 / sum (y - m)^2,  S = 1 - (1 - eta^2) (n - 1)/(n - M)                     (1)
+    R^2 = 1 - sum (y - fit)^2 / sum (y - mean)^2,  S = 1 - (1 - R^2) (n - 1)/(n - 1 - p)                  (1)
 
-is the first-order index less what chance gives it (epsilon squared); values below zero are chance. From
+is the first-order index less what chance gives it (adjusted R^2); values below zero are chance. From
 Saltelli's rows A, B and AB_i
 
     S_i = mean(f_B (f_AB_i - f_A)) / V,  T_i = mean((f_A - f_AB_i)^2) / (2 V)                             (2)
 
-with f centred and V its variance over A and B: first-order and total index. Sources: T. L. Kelley, "An
-unbiased correlation ratio measure", PNAS 21 (1935), 554-559; A. Saltelli et al., Computer Physics
-Communications 181 (2010), 259-270, table 2 (b) and (f).
+with f centred and V its variance over A and B: first-order and total index. For a series both sums of (1) run
+over its instants and channels too, which is the generalised index of a vector. Sources: C. Storlie and
+J. Helton, "Multiple predictor smoothing methods for sensitivity analysis", Reliability Engineering and System
+Safety 93 (2008), 28-54; A. Saltelli et al., Computer Physics Communications 181 (2010), 259-270, table 2 (b)
+and (f); F. Gamboa et al., "Sensitivity analysis for multidimensional and functional outputs", Electronic
+Journal of Statistics 8 (2014), 575-603.
 """
 
 from __future__ import annotations
@@ -20,15 +23,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 
 LEAST = 40
 """Samples below which (1) says nothing."""
-MOST_BINS = 32
-RESAMPLES = 200
-"""Of the bootstrap from which intervals follow."""
+FEW = 32
+"""Different values of a parameter that are each a constant."""
+MOST_KNOTS = 12
+RESAMPLES, MOST_RESAMPLED = 200, 4096
+"""Of the bootstrap of intervals, which shrink as 1/sqrt(n), and samples in each at most."""
 
 
 @dataclass(frozen=True)
@@ -54,13 +58,53 @@ def from_samples(x: Floats, y: Floats, seed: int = 0) -> Indices | None:
     n, d = x.shape
     if n < LEAST or np.ptp(y) == 0:
         return None
-    bins = [_bins(column) for column in x.T]
     rng = np.random.default_rng(seed)
-    draws = [rng.integers(n, size=n) for _ in range(RESAMPLES)]
-    first = np.array([_explained(each, y) for each in bins])
-    spread = np.array([[_explained(each[draw], y[draw]) for draw in draws] for each in bins])
+    m = min(n, MOST_RESAMPLED)
+    draws = [rng.integers(n, size=m) for _ in range(RESAMPLES)]
+    first = np.array([_adjusted(_basis(column), y) for column in x.T])
+    spread = np.array([[_adjusted(_basis(column[draw]), y[draw]) for draw in draws] for column in x.T])
     unknown = np.full(d, np.nan)
-    return Indices(first, _interval(spread, first), unknown, np.full((d, 2), np.nan))
+    return Indices(first, _interval(spread, first, np.sqrt(m / n)), unknown, np.full((d, 2), np.nan))
+
+
+class SeriesIndices:
+    """First-order indices (1) of a series, gathered piece by piece.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, d)
+        Samples of the parameters.
+    """
+
+    def __init__(self, x: Floats) -> None:
+        self._bases = [_basis(column) for column in x.T]
+        self._count = len(x)
+        self._whole = 0.0
+        self._explained = np.zeros(x.shape[1])
+
+    def add(self, y: Floats) -> None:
+        """Take up values, shape (n, columns), of some instants and channels."""
+        off = y - y.mean(axis=0)
+        self._whole += float(np.sum(off**2))
+        self._explained += [float(np.sum((basis.T @ off) ** 2)) for basis in self._bases]
+
+    @property
+    def variance(self) -> float:
+        """Sum of the variances of all columns."""
+        return self._whole / self._count
+
+    @property
+    def chance(self) -> float:
+        """Twice the standard deviation of an index of a parameter without influence, sqrt(2 p)/n."""
+        return 2 * float(np.sqrt(2 * max(basis.shape[1] for basis in self._bases))) / self._count
+
+    @property
+    def first(self) -> Floats:
+        """The indices."""
+        if self._whole == 0:
+            return np.zeros(len(self._bases))
+        ratios = self._explained / self._whole
+        return np.array([_less_chance(r, self._count, b) for r, b in zip(ratios, self._bases, strict=True)])
 
 
 def from_saltelli(f: Floats, seed: int = 0) -> Indices | None:
@@ -75,25 +119,30 @@ def from_saltelli(f: Floats, seed: int = 0) -> Indices | None:
     return Indices(first, _interval(spread[0], first), total, _interval(spread[1], total))
 
 
-def _bins(x: Floats) -> NDArray[np.intp]:
-    """Return the bin of each sample."""
+def _basis(x: Floats) -> Floats:
+    """Return orthonormal functions of a parameter without their means, shape (n, p)."""
     values, which = np.unique(x, return_inverse=True)
-    if len(values) <= MOST_BINS and len(values) < len(x) // 2:
-        return which
-    count = int(np.clip(np.sqrt(len(x)) / 2, 4, MOST_BINS))
-    return np.argsort(np.argsort(x, kind="stable")) * count // len(x)
+    if len(values) < min(FEW, len(x) // 2):
+        columns = np.eye(len(values))[which][:, 1:]
+    else:
+        count = int(np.clip(np.sqrt(len(x)) / 3, 2, MOST_KNOTS))
+        knots = np.quantile(x, np.arange(1, count) / count)
+        columns = np.column_stack([x, *(np.maximum(x - knot, 0.0) for knot in knots)])
+    columns = columns - columns.mean(axis=0)
+    scale = np.abs(columns).max(axis=0)
+    return np.asarray(np.linalg.qr(columns[:, scale > 0] / scale[scale > 0])[0])
 
 
-def _explained(bins: NDArray[np.intp], y: Floats) -> float:
+def _adjusted(basis: Floats, y: Floats) -> float:
     """Return S of (1)."""
-    counts = np.bincount(bins)
-    sums = np.bincount(bins, weights=y - y.mean())
-    there = counts > 0
-    whole = float(np.sum((y - y.mean()) ** 2))
-    if whole == 0 or len(y) <= there.sum():
-        return 0.0
-    ratio = float(np.sum(sums[there] ** 2 / counts[there])) / whole
-    return 1 - (1 - ratio) * (len(y) - 1) / float(len(y) - there.sum())  # eq. (1)
+    off = y - y.mean()
+    whole = float(off @ off)
+    return 0.0 if whole == 0 else _less_chance(float(np.sum((basis.T @ off) ** 2)) / whole, len(y), basis)
+
+
+def _less_chance(ratio: float, n: int, basis: Floats) -> float:
+    """Return S of (1), given R^2."""
+    return 1 - (1 - ratio) * (n - 1) / max(n - 1 - int(basis.shape[1]), 1)  # eq. (1)
 
 
 def _swapped(f: Floats) -> tuple[Floats, Floats]:
@@ -104,7 +153,7 @@ def _swapped(f: Floats) -> tuple[Floats, Floats]:
     return (b * (ab - a)).mean(axis=1) / variance, ((a - ab) ** 2).mean(axis=1) / (2 * variance)  # eq. (2)
 
 
-def _interval(spread: Floats, value: Floats) -> Floats:
-    """Return the ends of 90 % intervals about a value, from the deviation of resamples, shape (d, k)."""
-    half = 1.645 * spread.std(axis=1)
+def _interval(spread: Floats, value: Floats, factor: float = 1.0) -> Floats:
+    """Return the ends of 90 % intervals, from `factor` times the deviation of resamples, shape (d, k)."""
+    half = 1.645 * factor * spread.std(axis=1)
     return np.stack([value - half, value + half], axis=1)

@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,8 @@ from flexarm.tables import refuse
 
 RESERVED = ("sample", "status", "reason", "seconds", "block", "time", "axis", "mode")
 """Names of variables that every file of results has."""
+TASKS_LEFT = 2
+"""Tasks for each worker into which what is left could be cut at any time."""
 
 
 @dataclass(frozen=True)
@@ -70,12 +73,17 @@ class Plan:
         """What varies."""
         return self.job.variation
 
-    def tasks(self, pending: Sequence[int], size: int) -> Iterator[Task]:
-        """Yield the samples as tasks of at most so many."""
-        for first in range(0, len(pending), size):
-            chosen = tuple(pending[first : first + size])
+    def tasks(self, pending: Sequence[int], size: int, workers: int) -> Iterator[Task]:
+        """Yield the samples as tasks, see `cut`."""
+        for first, last in cut(len(pending), size, workers):
+            chosen = tuple(pending[first:last])
             rows = [sample % len(self.values) for sample in chosen]
             yield Task(chosen, tuple(sample // len(self.values) for sample in chosen), self.values[rows])
+
+    @property
+    def row_bytes(self) -> int:
+        """Bytes of what is kept of one run."""
+        return sum(8 * prod(each.shape) for each in self.job.runner.variables) or 8
 
     def coordinates(self) -> dict[str, tuple[Any, dict[str, Any]]]:
         """Return parameters and labels by sample, each with its attributes."""
@@ -113,6 +121,19 @@ class Plan:
             "study_sha256": hashlib.sha256(json.dumps(tables, sort_keys=True).encode()).hexdigest(),
             "inputs_sha256": hashes(self.inputs),
         }
+
+
+def cut(count: int, size: int, workers: int) -> Iterator[tuple[int, int]]:
+    """Yield begin and end of tasks of at most `size` runs, smaller ones at the end, so that all end together.
+
+    A task is at most the part 1/(`TASKS_LEFT` workers) of what is left: guided self-scheduling
+    (C. Polychronopoulos and D. Kuck, IEEE Transactions on Computers 36 (1987), 1425-1439).
+    """
+    first = 0
+    while first < count:
+        last = first + max(1, min(size, (count - first) // (TASKS_LEFT * workers)))
+        yield first, last
+        first = last
 
 
 def _name(path: Path, folder: Path) -> str:

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from flexarm.arm import Arm
-from flexarm.arm.effect import read_effect
+from flexarm.arm.effect import effect_class, read_effect
 from flexarm.arm.parameter import Parameter, Path, numbers_at
 from flexarm.arm.uncertainty import owner_of
 from flexarm.campaigns.distributions import Distribution
 from flexarm.campaigns.study import Found, Study, Vary
 from flexarm.errors import InvalidParameter
-from flexarm.tables.field import COMPONENTS
+from flexarm.tables.check import problems_of
+from flexarm.tables.field import COMPONENTS, Nested
 
 
 @dataclass(frozen=True)
@@ -158,18 +159,25 @@ def _with_missing_effects(study: Study, arm: Arm) -> tuple[Arm, Found]:
     found: Found = []
     for (name, at), entries in asked.items():
         try:
-            values = dict(_median_values(entries))
+            values = dict(_median_values(name, entries))
             arm = arm.with_effect(read_effect({"name": name, "at": at, **values}))
         except _Wrong as wrong:
             found.append((("vary", entries[0][0], wrong.key), wrong.what))
         except ValueError as error:
-            problems = getattr(error, "problems", ())
-            what = problems[0].what if problems else str(error)
+            what = _first_problem(error)
             found.append((("vary", entries[0][0], "parameter"), f"{name} at {at}: {what}"))
     return arm, found
 
 
-def _median_values(entries: Sequence[tuple[int, str, Vary]]) -> Iterator[tuple[str, Any]]:
+def _first_problem(error: ValueError) -> str:
+    """Return what is wrong with an effect in one sentence."""
+    if isinstance(error, Nested):
+        path, what = problems_of(error.table, error.error, error.data)[0]
+        return f"{'.'.join(map(str, path))} {what}"
+    return str(error.problems[0].what) if isinstance(error, InvalidParameter) else str(error)
+
+
+def _median_values(name: str, entries: Sequence[tuple[int, str, Vary]]) -> Iterator[tuple[str, Any]]:
     """Yield the fields of an effect at the medians of their distributions, vectors as lists."""
     vectors: dict[str, list[float]] = {}
     for _, parameter, vary in entries:
@@ -179,8 +187,10 @@ def _median_values(entries: Sequence[tuple[int, str, Vary]]) -> Iterator[tuple[s
         numbers = vary.values or tuple(v for v in (vary.mean, vary.std, vary.low, vary.high) if v is not None)
         median = Distribution(vary.distribution, numbers).median
         field, _, component = parameter.partition(".")
-        if component in COMPONENTS[:3]:
-            vectors.setdefault(field, [0.0, 0.0, 0.0])[COMPONENTS.index(component)] = median
+        if component in COMPONENTS[:3] and field in effect_class(name).model_fields:
+            default = effect_class(name).model_fields[field].default
+            zeros = [0.0] * (len(default) if isinstance(default, tuple) else 3)
+            vectors.setdefault(field, zeros)[COMPONENTS.index(component)] = median
         else:
             yield field, median
     yield from vectors.items()

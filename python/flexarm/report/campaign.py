@@ -18,7 +18,7 @@ from flexarm.wording import number, scale, with_unit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flexarm.campaigns.findings import Band, Findings, Target
+    from flexarm.campaigns.findings import Band, Cost, Findings, Target
     from flexarm.campaigns.trends import Trend
 
 BLUE, ORANGE, GREY = "#0072b2", "#e69f00", "#777777"
@@ -49,6 +49,7 @@ def page(findings: Findings, record: Mapping[str, Any]) -> str:
         total=any(
             each.indices is not None and np.isfinite(each.indices.total).any() for each in findings.targets
         ),
+        costs=[_cost_rows(findings, each) for each in findings.costs],
         yields=[
             (each.name, with_unit(each.tolerance, each.unit), *_shares(each.share, each.low90, each.high90))
             for each in findings.yields
@@ -73,14 +74,15 @@ def _headline(f: Findings) -> Iterator[str]:
     for each in f.yields:
         share, low, high = _shares(each.share, each.low90, each.high90)
         yield f"{share} ({low} to {high}) stay within {with_unit(each.tolerance, each.unit)} of {each.name}."
-    best = next((each for each in reversed(f.targets) if each.indices is not None), None)
-    worst = next(
-        (each for each in f.targets if each.name.endswith("_max") and each.indices is not None), best
-    )
-    if worst is not None and worst.indices is not None:
-        k = int(np.argmax(worst.indices.first))
-        part = 100 * max(0.0, float(worst.indices.first[k]))
-        yield f"{f.parameters[k][0]} alone explains {part:.0f} % of the variance of {worst.name}."
+    for cost in f.costs:
+        k = int(np.argmax(cost.first))
+        alone, whole = (with_unit(size, cost.unit) for size in (float(cost.each[k]), cost.rms))
+        yield f"{f.parameters[k][0]} costs most: {alone} rms of {cost.name} alone, of {whole} in all."
+    for target in f.targets[: 0 if f.costs else MOST_SENTENCES]:
+        if target.indices is not None:
+            k = int(np.argmax(target.indices.first))
+            part = 100 * max(0.0, float(target.indices.first[k]))
+            yield f"{f.parameters[k][0]} alone explains {part:.0f} % of the variance of {target.name}."
     if f.trends and abs(f.trends[0].score) >= KNOWN:
         surest = f.trends[0]
         way = "grows" if surest.slope * (surest.mean or 1) > 0 else "shrinks"
@@ -108,6 +110,25 @@ def _target_row(target: Target) -> dict[str, Any]:
         "unit": unit or "–",
         "nominal": "–" if target.nominal is None else number(factor * target.nominal, 4),
         "numbers": [number(factor * each, 4) for each in (mean, std, *target.quantiles[[0, 2, 4]])],
+    }
+
+
+def _cost_rows(f: Findings, cost: Cost) -> dict[str, Any]:
+    """Return what each parameter costs as texts, the greatest first."""
+    factor, unit = scale([cost.rms], cost.unit)
+    least = number(factor * cost.rms * cost.chance**0.5, 2)
+    rows = [
+        (f.parameters[k][0], number(factor * float(cost.each[k])), f"{100 * cost.first[k]:.1f} %")
+        if cost.first[k] > cost.chance
+        else (f.parameters[k][0], f"below {least}", f"below {100 * cost.chance:.1f} %")
+        for k in np.argsort(-cost.first)
+    ]
+    rest = max(0.0, 1 - float(np.maximum(cost.first, 0).sum()))
+    rows.append(("interactions and chance", number(factor * cost.rms * rest**0.5), f"{100 * rest:.0f} %"))
+    return {
+        "name": cost.name,
+        "unit": unit or "-",
+        "rows": [*rows, ("all", number(factor * cost.rms), "100 %")],
     }
 
 
