@@ -43,7 +43,11 @@ def test_others_are_places_of_their_own(arm, driven):
 
 
 def test_both_axes_of_a_place_count_once():
-    soft = [SimpleNamespace(name="joint_compliance", at=at, place=("joint_compliance", at)) for at in
-            ("roll", "pitch", "elbow")]  # fmt: skip
+    soft = [
+        SimpleNamespace(
+            name="joint_compliance", place=("joint_compliance", at), effect=SimpleNamespace(at=at)
+        )
+        for at in ("roll", "pitch", "elbow")
+    ]
     assert causes(soft, {"roll": "pitch"}) == 2
     assert causes(soft[1:], {"roll": "pitch"}) == 2

@@ -22,7 +22,10 @@ DAMPING = replace(SCALE, name="damping")
 def fit(*z, parameters=(SCALE, DAMPING)):
     """A stiffer forearm of so many sigmas of its prior, and a second parameter."""
     member = SimpleNamespace(
-        place=("link_stiffness", "forearm"), free=("scale", "damping"), effect=LinkStiffness
+        place=("link_stiffness", "forearm"),
+        free=("scale", "damping"),
+        effect=LinkStiffness,
+        is_size=lambda name: name == "scale",
     )
     nothing = np.zeros(0)
     chosen = parameters[: len(z)]
@@ -75,5 +78,10 @@ def test_a_gripper_may_carry_nothing():
 
 @pytest.mark.parametrize(("sign", "count"), [(1.0, 1), (-1.0, 0)])
 def test_thirty_times_a_load_is_no_size_and_none_is(sign, count):
-    load = SimpleNamespace(place=("payload_mass", "load"), free=("scale",), effect=PayloadMass)
+    load = SimpleNamespace(
+        place=("payload_mass", "load"),
+        free=("scale",),
+        effect=PayloadMass,
+        is_size=lambda name: name == "scale",
+    )
     assert len(estimates_at_bounds(replace(fit(sign * SCALE.bound), members=(load,)))) == count
