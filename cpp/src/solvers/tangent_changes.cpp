@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <type_traits>
+#include <variant>
 
 namespace flexarm::solvers {
 namespace {
@@ -76,11 +77,14 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds) {
     joints_.push_back({static_cast<int>(k), welds.row(first_row), parent.row, P, on_parent});
   }
   if (joints_.size() <= most_turning_joints) return;
-  // The hinges of springs turn by what gives way: the kept factor serves them as it is.
-  std::ranges::stable_partition(joints_, [&](const TurningJoint& joint) {
-    return !system_.is_free(system_.constraints()[joint.constraint].coordinate());
+  // A hinge of a mount turns by what its spring gives way: the kept factor serves it as it is.
+  std::erase_if(joints_, [&](const TurningJoint& joint) {
+    const int hinge = system_.constraints()[joint.constraint].coordinate();
+    return std::ranges::any_of(system_.laws(), [&](const assembly::PlacedLaw& law) {
+      return law.plus == hinge && law.minus < 0 && std::holds_alternative<joints::ReducerSpring>(law.law);
+    });
   });
-  joints_.resize(most_turning_joints);
+  if (joints_.size() > most_turning_joints) joints_.clear();
   follows_constraints_ = false;
 }
 
