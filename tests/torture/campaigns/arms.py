@@ -34,8 +34,8 @@ whether the arm is flexible: steps of 2 ms do not resolve the higher modes of a 
 REST = 0.2
 """How long a run goes on after its motion [s]: what rings is seen there."""
 NOTHING = {False: 1e-3, True: 1e-2}
-"""An error this small has no order to observe: samples of the drive are 1 ms apart, and in flexible arms modes
-that the step does not resolve go on ringing."""
+"""An error this small has no order to observe: samples of the drive are 1 ms apart, and in flexible arms
+modes that the step does not resolve go on ringing."""
 
 
 @dataclass
