@@ -6,7 +6,8 @@ of the tracker's frame does,
 .. math:: \partial r/\partial c_j = \frac{r(+\varepsilon) - r(-\varepsilon)}{2\varepsilon}\, B_j(t)      (1)
 
 with r the residual for an error of the frame's rotation, B_j the splines of w. Inertia of the arm that turns
-with the base, and gravity in its axes, are neglected: rotations are slow against the first mode.
+with the base, and gravity in its axes, are neglected: rotations are slow against the first mode. No mode
+filters them: they may fit better than the joint that moves, and leave no joint out (`search`).
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ from flexarm.diagnosis.problem import Problem
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.windup import TimeBasis
 
+BASE = "base"
+"""Place of the rotations."""
 AXES = "xyz"
 
 

@@ -26,7 +26,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import Problem
 from flexarm.drive.doubts import slides
-from flexarm.missing_law.base import base_responses
+from flexarm.missing_law.base import BASE, base_responses
 from flexarm.missing_law.gaussian import GaussianData, GaussianModel, matern_root
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.windup import TimeBasis, WindupResponse
@@ -104,7 +104,7 @@ def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[La
         if found is not None:
             yield found
     for axis, bases, jacobian in base_responses(problem, arm, policy):
-        yield _exact("base", f"rotation about {axis}", "rad", problem, fit, bases, jacobian, policy)
+        yield _exact(BASE, f"rotation about {axis}", "rad", problem, fit, bases, jacobian, policy)
     for signal in dict.fromkeys(rows.signal for rows in problem.rows):
         yield _offset(signal, problem, fit, policy)
 

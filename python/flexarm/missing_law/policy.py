@@ -41,8 +41,6 @@ class LawPolicy:
     """Instants a record at which a law may change [1]; the best ones are scanned ten times as finely."""
     evidence: float = 6.0
     """Difference of log evidence that decides [-]: odds of 400."""
-    alike: float = 0.01
-    """Part of the log evidence of a motion [-] that responses in long steps leave unsure."""
     least_share: float = 0.5
     """Part of what the latent motion explains [-] that a law explains."""
     clear_share: float = 0.9

@@ -18,6 +18,7 @@ from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.diagnosis.zeros import without_idle_zeros
 from flexarm.effects.tabulated_law import ACTS, TabulatedLaw
 from flexarm.law_curve import LawCurve, LawKind
+from flexarm.missing_law.base import BASE
 from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.curves import as_torque, curve_in_time, curve_of_fit, curve_of_law, stiffness_of
 from flexarm.missing_law.latent import Latent, latent_motions
@@ -159,12 +160,11 @@ class _About:
         if not known:
             return []
         thresholds = self.problem.policy
-        best = max(each.model.log_evidence for each in known)
-        reach = max(thresholds.reach, self.policy.alike * max(each.gain for each in known))
-        near = [each for each in known if each.model.log_evidence > best - reach]
+        rivals = [each for each in known if each.at != BASE] or known
+        best = max(each.model.log_evidence for each in rivals)
+        near = [each for each in known if each.model.log_evidence > best - thresholds.reach]
         near.sort(key=lambda each: -each.model.log_evidence)
-        certain = thresholds.reach / reach
-        shares = _shares([certain * each.model.log_evidence for each in near], thresholds.most_certain)
+        shares = _shares([each.model.log_evidence for each in near], thresholds.most_certain)
         laws: list[_Told] = []
         for latent, share in zip(near, shares, strict=True):
             laws += self._of_place(latent, share)
