@@ -22,7 +22,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import explained_share, log_bayes_factor
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.families import without_idle_places
-from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS
+from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES
 from flexarm.diagnosis.moves.search_state import Move, SearchState
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
 from flexarm.diagnosis.ranking import best_of
@@ -104,9 +104,21 @@ def forward(state: SearchState, best: Fit, about: Estimator, tell: Note) -> tupl
         larger = enlarged(state, best, about)
         if larger is None or not state.criteria.accepts(larger[0], best):
             break
-        best, about = larger
+        best, about = reshaped(state, *larger)
         if best is state.complete:
             break
+    return best, about
+
+
+def reshaped(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Estimator]:
+    """Return a model whose laws have another shape where the data ask for that, before more effects."""
+    criteria = state.criteria
+    while not criteria.explains(best):
+        found = proposed(state, SHAPES, best, about)
+        better, there = best_of(about, found, best, criteria) if found else (best, about)
+        if not found or not criteria.accepts(better, best):
+            break
+        best, about = better, there
     return best, about
 
 

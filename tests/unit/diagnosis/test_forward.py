@@ -84,6 +84,7 @@ def search(monkeypatch):
     monkeypatch.setattr(module, "FORWARD", {"singles": singles})
     monkeypatch.setattr(module, "SETS", {"pairs": sets(2), "triples": sets(3)})
     monkeypatch.setattr(module, "ELSEWHERE", {"spring_swap": spring_swap})
+    monkeypatch.setattr(module, "SHAPES", {})
     monkeypatch.setattr(Criteria, "adequate", lambda *_: False)
     monkeypatch.setattr(module, "best_of", lambda about, fits, *_: (min(fits, key=lambda f: f.cost), about))
     monkeypatch.setattr(Criteria, "leaves_gap", lambda self, one: one.cost > 30)
