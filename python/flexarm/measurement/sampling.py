@@ -26,6 +26,10 @@ EARLY = 0.05
 """Time before its first step in which a motion keeps its first rate [s]: clocks are late by less."""
 
 
+MANY = 100_000
+"""Instants from which SciPy's evaluation saves more than its import takes."""
+
+
 class CannotMeasure(InvalidParameter):
     """The simulation does not hold what a sensor measures; says what is missing."""
 
@@ -90,18 +94,18 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
         NaN after the last step; before the first one its value, for up to `EARLY` with its rate if that is
         given.
     """
-    from scipy.interpolate import PPoly
-
     if len(time) < 2:
         return np.where(_column(instants <= time[-1], values), values[0], np.nan)
     inside = np.clip(instants, time[0], time[-1])
-    dense = len(time) < len(instants)
+    dense = len(instants) > max(len(time), MANY)
     last = len(time) - 2
     k = np.arange(last + 1) if dense else np.clip(np.searchsorted(time, inside, side="right") - 1, 0, last)
     v_0, v_1 = (_slope(time, values, at) if rates is None else rates[at] for at in (k, k + 1))
     h, jump = _column(time[k + 1] - time[k], values), values[k + 1] - values[k]
     d, c = (v_0 + v_1 - 2 * jump / h) / h**2, (3 * jump / h - 2 * v_0 - v_1) / h  # eq. (1), by powers of t
     if dense:
+        from scipy.interpolate import PPoly
+
         found = PPoly.construct_fast(np.stack([d, c, v_0, values[k]]), time)(inside)
     else:
         t = _column(inside - time[k], values)
