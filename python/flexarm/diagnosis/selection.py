@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from flexarm.budget import allows
+from flexarm.budget import allows, current
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import Candidate, carries
@@ -102,7 +102,7 @@ def forward(state: SearchState, best: Fit, about: Estimator, tell: Note) -> tupl
             break
         tell(f"looking for effect {count + 1}", count / (state.criteria.policy.most_effects + 1))
         larger = enlarged(state, best, about)
-        if larger is None or not state.criteria.accepts(larger[0], best):
+        if larger is None or not accepted(state.criteria, larger[0], best):
             break
         best, about = reshaped(state, *larger)
         if best is state.complete:
@@ -116,7 +116,7 @@ def reshaped(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Esti
     while not criteria.explains(best):
         found = proposed(state, SHAPES, best, about)
         better, there = best_of(about, found, best, criteria) if found else (best, about)
-        if not found or not criteria.accepts(better, best):
+        if not found or not accepted(criteria, better, best):
             break
         best, about = better, there
     return best, about
@@ -151,9 +151,20 @@ def enlarged(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Esti
         if not sets:
             continue
         more, where = best_proposed(state, about, sets, better)
-        if criteria.accepts(more, better):
+        if accepted(criteria, more, better):
             better, there = more, where
     return better, there
+
+
+def accepted(criteria: Criteria, new: Fit, old: Fit) -> bool:
+    """Return True if a model is accepted in the place of another one; when the time is over, of more
+    evidence.
+
+    Fits that the end of the time left unfinished are no ground for any other reason.
+    """
+    if not criteria.accepts(new, old):
+        return False
+    return not current().spent or log_bayes_factor(new, old, criteria.problem) > 0
 
 
 def proposed(state: SearchState, moves: Mapping[str, Move], best: Fit, about: Estimator) -> list[Fit]:
