@@ -175,7 +175,10 @@ def varied(
             continue
         (above, up), (below, down) = neighbours(arm, parameter)
         plus, minus = (assembled(above), assembled(below)) if moves else [assembled(arm)] * 2
-        if arm.closures and not plus.assembled == minus.assembled:
+        path = path_of(arm, parameter.key)
+        shape = path.table in ("links", "joints") and path.fields[0] in ("end", "origin", "axis")
+        bent = path.table == "effects" and plus.assembled != minus.assembled
+        if arm.closures and (shape or bent):
             raise InvalidParameter(
                 "has no derivative, it moves the closed loops "
                 f"({', '.join(closure.name for closure in arm.closures)})",
