@@ -165,7 +165,7 @@ def varied(
     Raises
     ------
     InvalidParameter
-        If a parameter moves closed loops: conditions of closures have no derivative by it.
+        If a parameter shapes an arm with closed loops: conditions of closures have no derivative by it.
     """
     found, places = [], []
     for k, parameter in enumerate(wanted):
@@ -180,7 +180,7 @@ def varied(
         bent = path.table == "effects" and plus.assembled != minus.assembled
         if arm.closures and (shape or bent):
             raise InvalidParameter(
-                "has no derivative, it moves the closed loops "
+                "has no derivative in an arm with closed loops "
                 f"({', '.join(closure.name for closure in arm.closures)})",
                 where=parameter.key,
             )
