@@ -16,8 +16,6 @@ WIDTH = 6.4
 """Of every sheet [in]."""
 LEFT, RIGHT, TOP, BOTTOM, LEGEND = 0.66, 0.14, 0.28, 0.48, 0.26
 """Margins [in]: labels of the y axis, half a number, a title, labels of the x axis, a legend below them."""
-WIDE = 30.0
-"""Ratio of values beyond which an axis is logarithmic."""
 
 
 def sheet(
@@ -99,7 +97,7 @@ def write_beside(ax: Axes, bars: Any, texts: Sequence[str]) -> None:
 def log_if_wide(ax: Axes, which: str, values: Sequence[float]) -> None:
     """Set a logarithmic axis, with plain numbers, where a linear one would hide the small values."""
     positive = [value for value in values if value > 0]
-    if not positive or max(positive) < WIDE * min(positive):
+    if not positive or max(positive) < 30 * min(positive):
         return
     ax.set(**{f"{which}scale": "log"})
     axis = ax.yaxis if which == "y" else ax.xaxis
