@@ -72,6 +72,7 @@ class Effect(EffectTraits):
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         if "name" in vars(cls):
             cls.place = KNOWN_EFFECTS[cls.name]
+        super().__pydantic_init_subclass__(**kwargs)
 
     def parameters(self) -> list[tuple[str, float, str]]:
         """Parameters as (name, value, unit), vectors spelt out as `offset.x`, tables as `value.0`.

@@ -83,19 +83,7 @@ class Beam(Table):
 
 
 class RigidLink(Table):
-    """A rigid body.
-
-    Parameters
-    ----------
-    name : str
-        Name of the link.
-    mass : float
-        Mass [kg].
-    com : (3,)
-        Centre of mass in the link's frame [m].
-    inertia : (3,) or (6,)
-        About the centre of mass, in the link's axes [kg m2].
-    """
+    """A rigid body; its inertia is in the axes of the link, three or six numbers."""
 
     name: Name = Field(description="name of the link")
     type: Literal["rigid"] = "rigid"
@@ -113,15 +101,8 @@ class RigidLink(Table):
 class SuperElementLink(Table):
     """A part reduced to its interfaces and internal modes, such as `flexarm reduce` makes from a mesh.
 
-    Parameters
-    ----------
-    name : str
-        Name of the link.
-    file : str
-        The super-element's file; in a model file, from where that lies.
-    damping_ratio : float
-        Of the part alone, held at its first interface, in its lowest mode; stiffness-proportional, in place
-        of the damping in the file.
+    A model file names the file from where it lies itself. The damping ratio is that of the part alone in its
+    lowest mode, proportional to the stiffness, in place of the damping in the file.
     """
 
     name: Name = Field(description="name of the link")

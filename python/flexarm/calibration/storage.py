@@ -28,7 +28,7 @@ def stored(path: str | Path) -> dict[str, Any]:
     InvalidFile
         If a file is missing, or is not what a calibration wrote.
     """
-    directory, told = stored_object(path, REPORT, CalibrationFile)
+    directory, told = stored_object(path, KIND, REPORT, CalibrationFile)
     arm, comparisons = stored_gaps(directory / GAPS, KIND)
     details = told["details"]
     return {

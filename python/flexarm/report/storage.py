@@ -127,7 +127,7 @@ def stored(path: str | Path) -> dict[str, Any]:
     InvalidFile
         If a file is missing, or is not what a diagnosis wrote.
     """
-    directory, told = stored_object(path, REPORT, ReportFile)
+    directory, told = stored_object(path, KIND, REPORT, ReportFile)
     arm, comparisons = stored_gaps(directory / GAPS, KIND)
     details = told["details"]
     return {
@@ -169,7 +169,9 @@ def stored_gaps(path: Path, kind: str) -> tuple[Arm, dict[str, dict[str, Compari
         return model_of(dataset, path), _comparisons(dataset)
 
 
-def stored_object(path: str | Path, name: str, form: type[BaseModel]) -> tuple[Path, dict[str, Any]]:
+def stored_object(
+    path: str | Path, kind: str, name: str, form: type[BaseModel]
+) -> tuple[Path, dict[str, Any]]:
     """Return a directory and the object of its JSON file, by which it may be given, checked by its format."""
     given = Path(path)
     file = given if given.suffix == ".json" else given / name
@@ -178,7 +180,7 @@ def stored_object(path: str | Path, name: str, form: type[BaseModel]) -> tuple[P
         return file.parent, form.model_validate(json.loads(text)).model_dump()
     except (ValueError, RecursionError) as error:  # no JSON, or another format
         what = str(error).splitlines()[0]
-        raise InvalidFile(file, "file", f"is no report of a {Path(name).stem} ({what})") from None
+        raise InvalidFile(file, "file", f"is no report of a {kind} ({what})") from None
 
 
 def _known(value: Any) -> Any:
