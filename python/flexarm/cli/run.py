@@ -1,7 +1,8 @@
 """Runs a command and turns whatever happens into an exit code and one line on standard error.
 
 0: done. 2: the input is at fault. 3: the numbers are at fault. 130: Ctrl-C, 143: SIGTERM, either of which is
-told, and leaves nothing behind; see `flexarm.termination`. Never a traceback for a user's mistake.
+told, and leaves nothing behind but whole output; see `flexarm.termination`. Never a traceback for a user's
+mistake.
 """
 
 from __future__ import annotations
