@@ -114,18 +114,12 @@ def reading(path: str | Path, what: str, where: str = "file") -> Iterator[None]:
 
 @dataclass
 class Includes:
-    """The files that a file includes, and those these include: no circles, and an end.
-
-    Attributes
-    ----------
-    open : list of Path
-        Those being read, each included by the one before it.
-    count : int
-        Those included so far.
-    """
+    """The files that a file includes, and those these include: no circles, and an end."""
 
     open: list[Path] = field(default_factory=list)
+    """Those being read, each included by the one before it."""
     count: int = 0
+    """Those included so far."""
 
     @contextmanager
     def into(self, file: Path, where: str, name: str) -> Iterator[Path]:

@@ -22,13 +22,7 @@ if TYPE_CHECKING:
 
 
 class Result(ABC):
-    """Base of statics, modes and runs: the arm, names, and a file.
-
-    Attributes
-    ----------
-    arm : Arm
-        The model.
-    """
+    """Base of statics, modes and runs: the arm, names, and a file."""
 
     arm: Arm
 

@@ -122,18 +122,12 @@ def entry_of(arm: Arm, parameter: Parameter) -> Table:
 
 @dataclass(frozen=True)
 class Redrive:
-    """Drive of an arm, given other effects on the sensors of a record and on how joints follow.
-
-    Attributes
-    ----------
-    places : collection of str
-        Signals that drive, their clocks, and joints that follow late.
-    motions : callable
-        Motions of an arm's joints.
-    """
+    """Drive of an arm, given other effects on the sensors of a record and on how joints follow."""
 
     places: Collection[str]
+    """Signals that drive, their clocks, and joints that follow late."""
     motions: Callable[[Arm], Motions]
+    """Motions of an arm's joints."""
 
 
 def varied(

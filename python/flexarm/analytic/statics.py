@@ -28,18 +28,12 @@ MAX_ITERATIONS = 50
 
 @dataclass(frozen=True)
 class Freedom:
-    """q = e φ + T y: the coordinates that a drive leaves free.
-
-    Attributes
-    ----------
-    rigid : ndarray, shape (n + 1,)
-        e, the rigid rotation by one radian; zero where φ is no coordinate.
-    free : ndarray, shape (n + 1, m)
-        T, orthonormal columns.
-    """
+    """q = e φ + T y: the coordinates that a drive leaves free."""
 
     rigid: Array
+    """e, the rigid rotation by one radian; zero where φ is no coordinate, shape (n + 1,)."""
     free: Array
+    """T, orthonormal columns, shape (n + 1, m)."""
 
     @classmethod
     def all(cls, arm: Equation) -> Freedom:

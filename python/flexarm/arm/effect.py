@@ -37,36 +37,23 @@ Derivative = Literal["smooth", "one-sided", "none"]
 
 
 class Trial(NamedTuple):
-    """Values of parameters with which a search tries an effect.
-
-    Attributes
-    ----------
-    start : dict of str to float
-        From which a fit starts.
-    fixed : dict of str to float
-        That stay as they are.
-    """
+    """Values of parameters with which a search tries an effect."""
 
     start: Mapping[str, float] = {}
+    """From which a fit starts."""
     fixed: Mapping[str, float] = {}
+    """That stay as they are."""
 
 
 class Effect(EffectTraits):
-    """Base of all effects. A subclass sets `name` and traits, and has its parameters as fields.
-
-    Attributes
-    ----------
-    at : str
-        Name of the joint, link, payload, point, signal, frame or clock, or "base".
-    name : str
-        Of the class: its name in the vocabulary.
-    place : str
-        Of the class: the kind of place that the vocabulary states.
-    """
+    """Base of all effects. A subclass sets `name` and traits, and has its parameters as fields."""
 
     name: ClassVar[str]
+    """Of the class: its name in the vocabulary."""
     place: ClassVar[str]
+    """Of the class: the kind of place that the vocabulary states."""
     at: Label = Field(description='name of a joint, link, payload, point, signal, frame or clock, or "base"')
+    """Name of the joint, link, payload, point, signal, frame or clock, or "base"."""
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:

@@ -21,38 +21,24 @@ WEIGHTLESS = "must be 0 where the density is 0, got {ratio:g}; a ratio is of a v
 
 
 class Beam(Table):
-    """A straight elastic link of constant section.
-
-    Parameters
-    ----------
-    name : str
-        Name of the link.
-    end : (3,)
-        From the link's frame to its far end [m]; local x runs along it.
-    up : (3,), optional
-        Direction in the link's frame whose part normal to `end` is local z; needed only where Iy differs from
-        Iz.
-    section, material
-        What it is made of.
-    theory : {"timoshenko", "euler-bernoulli"}
-        With shear and rotary inertia, or with neither.
-    elements : int
-        Number of finite elements.
-    damping_ratio : float
-        Of the link alone in its first clamped mode, without payload; stiffness-proportional.
-    """
+    """A straight elastic link of constant section."""
 
     name: Name = Field(description="name of the link")
     type: Literal["beam"] = "beam"
     end: Vector3 = value_in("m", "far end in the link's frame")
+    """From the link's frame to its far end [m]; local x runs along it, shape (3,)."""
     up: Vector3 | None = value_in("-", "direction that local z leans to", None)
+    """Direction in the link's frame whose part normal to `end` is local z; needed only where Iy differs from
+    Iz."""
     section: Section = Field(
         description='a table such as { shape = "tube", outer_diameter = 0.06, thickness = 0.003 }'
     )
     material: Material = Field(description="a table with youngs_modulus, poisson_ratio, density")
     theory: Literal["timoshenko", "euler-bernoulli"] = "timoshenko"
+    """With shear and rotary inertia, or with neither."""
     elements: Whole = value_in("-", "number of elements", 4, ge=1, le=100_000)
     damping_ratio: Number = value_in("-", "damping ratio of the first clamped mode", 0.0, ge=0, lt=1)
+    """Of the link alone in its first clamped mode, without payload; stiffness-proportional."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -48,28 +48,19 @@ FIRM = 1e-12
 
 @dataclass(frozen=True)
 class Alignment:
-    """Hold the result of an alignment.
-
-    Attributes
-    ----------
-    placement : Placement
-        Clocks and frames after it.
-    parameters : tuple of AlignmentParameter
-        Parameters that were estimated.
-    values, std : ndarray
-        Estimates and 1 sigma [s, m, rad], from noise and priors without errors of the model.
-    outliers : dict of str to ndarray of bool, shape (n,)
-        Gross outliers by signal, of signals that have some.
-    effective_parameters : tuple of EffectiveParameters
-        Of each clock and frame.
-    """
+    """Hold the result of an alignment."""
 
     placement: Placement
+    """Clocks and frames after it."""
     parameters: tuple[AlignmentParameter, ...] = ()
+    """Parameters that were estimated."""
     values: Floats | tuple[float, ...] = ()
     std: Floats | tuple[float, ...] = ()
+    """Estimates and 1 sigma [s, m, rad], from noise and priors without errors of the model."""
     outliers: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
+    """Gross outliers by signal, of signals that have some, shape (n,)."""
     effective_parameters: tuple[EffectiveParameters, ...] = ()
+    """Of each clock and frame."""
 
     @property
     def beyond_prior(self) -> list[str]:

@@ -30,19 +30,13 @@ EVEN = 1e-3
 
 @dataclass(frozen=True)
 class Band:
-    """Hold a band of frequencies and the part of a gap in it.
-
-    Attributes
-    ----------
-    low, high : float
-        Its edges [Hz].
-    rms : float
-        Root of the mean square of the gap's part in the band, all measured directions together.
-    """
+    """Hold a band of frequencies and the part of a gap in it."""
 
     low: float
     high: float
+    """Its edges [Hz]."""
     rms: float
+    """Root of the mean square of the gap's part in the band, all measured directions together."""
 
 
 def band_edges(time: Floats, modes_hz: Sequence[float], inner: Sequence[float] | None = None) -> list[float]:

@@ -13,27 +13,17 @@ if TYPE_CHECKING:
 
 
 class BeforeAfter:
-    """The gap of a nominal and of an updated model.
-
-    Attributes
-    ----------
-    arm, updated : Arm
-        The two models.
-    before, after : dict of str to Comparison
-        By record, held-out ones too: the gap of either, aligned.
-    training, held_out : tuple of str
-        Names of the records.
-    main_signal : str
-        The signal of the report's `gap`.
-    """
+    """The gap of a nominal and of an updated model."""
 
     arm: Arm
     updated: Arm
     before: Mapping[str, Comparison]
     after: Mapping[str, Comparison]
+    """By record, held-out ones too: the gap of either, aligned."""
     training: tuple[str, ...]
     held_out: tuple[str, ...]
     main_signal: str
+    """The signal of the report's `gap`."""
 
     @property
     def unit(self) -> str:

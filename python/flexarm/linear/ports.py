@@ -16,24 +16,16 @@ Asked = Mapping[str, str] | Iterable[tuple[str, str]]
 
 @dataclass(frozen=True)
 class Port:
-    """One input.
-
-    Attributes
-    ----------
-    kind : str
-        "drive" (angle or acceleration, whichever is proper), "angle", "acceleration", "torque" or "force".
-    place : str
-        Name of the joint or point.
-    axis : int
-        Of a force: 0, 1, 2 for the base's x, y, z.
-    slides : bool
-        True if the joint is prismatic.
-    """
+    """One input."""
 
     kind: str
+    """One of "drive" (angle or acceleration, as is proper), "angle", "acceleration", "torque" and "force"."""
     place: str
+    """Name of the joint or point."""
     axis: int = 0
+    """Of a force: 0, 1, 2 for the base's x, y, z."""
     slides: bool = False
+    """True if the joint is prismatic."""
 
     def named(self) -> str:
         """Name of the input in the model."""

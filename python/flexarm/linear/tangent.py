@@ -38,21 +38,15 @@ _RANK = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """Equations (1) and (2).
-
-    Attributes
-    ----------
-    M, C, K : ndarray, shape (n, n)
-        Of the coordinates x.
-    N, G : ndarray, shapes (n, z) and (n, driven)
-        Motions that the joints allow, (2).
-    """
+    """Equations (1) and (2)."""
 
     M: Floats
     C: Floats
     K: Floats
+    """Of the coordinates x, shape (n, n)."""
     N: Floats
     G: Floats
+    """Motions that the joints allow, (2)."""
 
     @property
     def motions(self) -> Floats:

@@ -34,18 +34,12 @@ STATELESS = ("time", "none")
 
 @dataclass(frozen=True, eq=False)
 class AddedLaw:
-    """A law that the model gains.
-
-    Attributes
-    ----------
-    fitted : FittedLaw
-        With all that was fitted along.
-    arm : Arm
-        The nominal model with it.
-    """
+    """A law that the model gains."""
 
     fitted: FittedLaw
+    """With all that was fitted along."""
     arm: Arm
+    """The nominal model with it."""
 
     @property
     def members(self) -> tuple[Candidate, ...]:
@@ -60,18 +54,12 @@ class AddedLaw:
 
 @dataclass(frozen=True, eq=False)
 class MissingLaws:
-    """Missing laws.
-
-    Attributes
-    ----------
-    curves : tuple of LawCurve
-        The most probable first.
-    added : AddedLaw or None
-        The first of them that is a table of the model and foretells what was held out.
-    """
+    """Missing laws."""
 
     curves: tuple[LawCurve, ...] = ()
+    """The most probable first."""
     added: AddedLaw | None = None
+    """The first of them that is a table of the model and foretells what was held out."""
 
 
 @dataclass(frozen=True, eq=False)
