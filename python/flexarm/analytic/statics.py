@@ -56,16 +56,7 @@ def rigid_rotation(arm: Equation) -> Array:
 
 
 def equilibrium(arm: Equation, drive_angle: float, stiffness: float = math.inf) -> Array:
-    """Return the coordinates q at rest under a held motor angle.
-
-    Parameters
-    ----------
-    arm : NonlinearModal or LinearModal
-        Equation (1) or (2).
-    drive_angle : float
-        φ [rad].
-    stiffness : float
-        k [N m/rad] between motor and hub; inf: rigid.
+    """Return the coordinates q at rest under a held motor angle φ [rad], on a spring k [N m/rad]; inf: rigid.
 
     Raises
     ------

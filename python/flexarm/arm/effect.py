@@ -196,16 +196,8 @@ class Effect(EffectTraits):
     ) -> Iterable[Trial]:
         """Return values that are tried one after the other, as a fit would not find them from one start.
 
-        Parameters
-        ----------
-        stated : Effect or None
-            The effect as the model has it.
-        arm : Arm
-            The model.
-        frequencies : sequence of float
-            At which the gap swings [Hz].
-        softer : sequence of float
-            How much softer than typical springs are tried.
+        `stated` is the effect as the model has it, `frequencies` [Hz] are those of the gap, and `softer` says
+        by how much softer springs than typical ones are tried.
         """
         return [Trial()]
 

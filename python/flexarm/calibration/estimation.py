@@ -188,18 +188,9 @@ def start_sizes(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
 
 
 def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None = None) -> Posterior:
-    """Return where (1) is least, from u on.
+    """Return where (1) is least, from u on, shape (m,).
 
-    Parameters
-    ----------
-    estimation : Estimation
-        The problem.
-    u : ndarray, shape (m,)
-        The start.
-    tell : callable
-        Gets what is being done.
-    basis : ndarray, shape (m, k), optional
-        Steps are combinations of its columns, and spreads stay; default: all steps.
+    Steps are combinations of the columns of `basis`, shape (m, k), and spreads stay; default: all steps.
 
     Raises
     ------

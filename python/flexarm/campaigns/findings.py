@@ -124,17 +124,7 @@ class Findings:
 
 
 def findings_of(data: xr.Dataset, keys: Sequence[str], labels: Sequence[str], seed: int = 0) -> Findings:
-    """Return what the results of a campaign say.
-
-    Parameters
-    ----------
-    data : Dataset
-        The results.
-    keys, labels : sequence of str
-        Parameters that varied, and labels of the cases.
-    seed : int
-        Of the bootstrap.
-    """
+    """Return what results say, given keys of what varied, labels of cases and the seed of the bootstrap."""
     ok = data["status"].values == "ok"
     reasons = Counter(str(reason) for reason in data["reason"].values[~ok])
     about = (

@@ -85,15 +85,7 @@ class Alignment:
 
 
 def align(simulated: SimulatedRecord, start: Placement) -> Alignment:
-    """Return clocks and frames that minimise (1).
-
-    Parameters
-    ----------
-    simulated : SimulatedRecord
-        Simulation and record.
-    start : Placement
-        Initial guess, close for clocks and frames without a prior.
-    """
+    """Return clocks and frames that minimise (1), from a guess close for those without a prior."""
     parameters = alignment_parameters(simulated, start)
     places = {each.place for each in parameters}
     out = _gross_outliers(simulated, start, places)

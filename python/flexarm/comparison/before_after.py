@@ -41,13 +41,5 @@ class BeforeAfter:
         return bool(self.unit)
 
     def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
-        """Totals of a signal before and after, pooled over records.
-
-        Parameters
-        ----------
-        records : iterable of str
-            Their names, such as `training` or `held_out`.
-        signal : str, optional
-            Which one; default: the main signal.
-        """
+        """Return totals of a signal (default: the main one) before and after, pooled over records."""
         return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)

@@ -55,16 +55,9 @@ def rings_freely(record: Record) -> bool:
 
 
 def simulate_free_vibration(arm: Arm, record: Record, step: float) -> StateSnapshots:
-    """Return the free vibration (1) of a model that is nearest to a record, by (2).
+    """Return the free vibration (1) of a model that is nearest to a record, by (2), at a time step [s].
 
-    Parameters
-    ----------
-    arm : Arm
-        The model with what the record says.
-    record : Record
-        Without a drive, `initial = "moving"`.
-    step : float
-        From one instant of the result to the next [s].
+    The record has no drive and `initial = "moving"`.
 
     Raises
     ------

@@ -152,15 +152,7 @@ class ResponseComparison:
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
-        """Plot the size of a measured response and the model's over frequency.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Where to draw.
-        signal : str, optional
-            Name of the signal; default: the first.
-        """
+        """Plot the size of a measured response and the model's over frequency; default: the first signal."""
         import matplotlib.pyplot as plt
 
         axes = plt.subplots()[1] if ax is None else ax

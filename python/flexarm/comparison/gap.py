@@ -76,24 +76,10 @@ def signal_gap(
     edges: Sequence[float] | None = None,
     gross: NDArray[np.bool_] | None = None,
 ) -> SignalGap:
-    """Compute the gap of a signal.
+    """Compute the gap of a signal, given clocks and frames.
 
-    Parameters
-    ----------
-    simulated : SimulatedRecord
-        Simulation and record.
-    signal : Signal
-        One of its signals.
-    placement : Placement
-        Clocks and frames.
-    joint : str or None
-        The one joint that moves; None: several.
-    modes_hz : sequence of float
-        Frequencies of the arm [Hz], for the bands.
-    edges : sequence of float, optional
-        Inner edges of the bands [Hz] instead.
-    gross : ndarray of bool, shape (n,), optional
-        Rows to leave out as gross outliers.
+    `joint` is the one joint that moves; None: several. `modes_hz` set the bands, or `edges` [Hz] inside the
+    range do. Rows in `gross`, bool of shape (n,), are left out as outliers.
     """
     instants, residual = simulated.instants(signal, placement), simulated.residual(signal, placement)
     out = simulated.outliers(signal, residual)

@@ -162,18 +162,8 @@ def pair_record(
 ) -> SimulatedRecord:
     """Pair a record with a simulation: its predicted signals, and reasons for the others.
 
-    Parameters
-    ----------
-    simulation : Simulation
-        The motion.
-    record : Record
-        Measured data.
-    stamps : dict, optional
-        Stamps by signal; default: their times.
-    inputs : dict of str to str, optional
-        Signals not to be compared, and why.
-    arm : Arm, optional
-        The model whose effects on sensors, clocks and frames count; default: that of the simulation.
+    `stamps` by signal are by default their times, and `inputs` says why signals are not compared. `arm` is
+    the model whose effects on sensors, clocks and frames count; default: that of the simulation.
     """
     stamps = {name: signal.time for name, signal in record.signals.items()} if stamps is None else stamps
     kept: dict[str, Signal] = {}

@@ -97,17 +97,7 @@ def actuator_of(arm: Arm, controller: Controller) -> Actuator:
 
 
 def differentiated(drive: _A, pairs: Sequence[tuple[_A, _A]], spreads: Sequence[float]) -> _A:
-    """Return the drive with the derivatives of its numbers.
-
-    Parameters
-    ----------
-    drive : VoltageDrive or TorqueDrive
-        Of the model.
-    pairs : sequence of (VoltageDrive or TorqueDrive)
-        For each parameter those of the models with a little more and a little less of it.
-    spreads : sequence of float
-        By how much the two values of each parameter differ.
-    """
+    """Return a drive with the derivatives of its numbers, as `flexarm.control.dual.between` takes pairs."""
     numbers: dict[str, Real | VoltageDrive] = {}
     for field in fields(drive):
         value = getattr(drive, field.name)

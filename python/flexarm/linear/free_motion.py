@@ -78,16 +78,7 @@ class FreeMotion:
 
 
 def free_motion(arm: Arm, joints: Mapping[str, float], count: int) -> FreeMotion:
-    """Return the free vibration of an arm with its drives held.
-
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    joints : dict of str to float
-        Drive angles, output side [rad, m for a prismatic joint]; default 0.
-    count : int
-        Most modes.
+    """Return the free vibration of an arm with its drives held [rad, m; default 0], of `count` modes at most.
 
     Raises
     ------

@@ -55,16 +55,9 @@ class Tangent:
 
 
 def tangent(system: _core.System, equilibrium: _core.Equilibrium, driven: Sequence[int]) -> Tangent:
-    """Return the tangent of a system whose motors are all free.
+    """Return the tangent of a system whose motors are told their torques, all free, at its equilibrium.
 
-    Parameters
-    ----------
-    system : System
-        Motors told their torques.
-    equilibrium : Equilibrium
-        Of that system.
-    driven : sequence of int
-        Rows of the coordinates that are prescribed.
+    `driven` are rows of the coordinates that are prescribed.
 
     Raises
     ------

@@ -146,16 +146,7 @@ class SensorEffects:
 
 
 def effects_of(arm: Any, what: Placed, clock: str | None = None) -> SensorEffects:
-    """Return the effects of an arm that act on a signal or sensor.
-
-    Parameters
-    ----------
-    arm : Arm or None
-        The model, with its effects.
-    what : Signal or Sensor
-        Names itself, its quantity and channels, its clock and frame.
-    clock : str, optional
-        Name of its clock, where it names none.
+    """Return the effects of an arm that act on a signal or sensor, which names its clock, or `clock` does.
 
     Raises
     ------

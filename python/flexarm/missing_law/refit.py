@@ -63,18 +63,7 @@ class FittedLaw:
 
 
 def fitted_law(estimator: Estimator, fit: Fit, law: TabulatedLaw, policy: LawPolicy) -> FittedLaw:
-    """Return a law whose values are fitted, beside the effects of a fit.
-
-    Parameters
-    ----------
-    estimator : Estimator
-        Records and nuisance parameters.
-    fit : Fit
-        Model without the law.
-    law : TabulatedLaw
-        First guess.
-    policy : LawPolicy
-        Settings.
+    """Return a law whose values are fitted from a first guess, beside the effects of a fit without it.
 
     Raises
     ------

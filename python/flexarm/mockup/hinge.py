@@ -37,14 +37,9 @@ class SolidHinge:
         return self.folder / f"{part}.nc"
 
     def with_compliance(self, factors: Mapping[str, float], folder: Path) -> SolidHinge:
-        """Return the hinge with parts whose compliance is multiplied; damping goes with the stiffness.
+        """Return the hinge with parts whose compliance is multiplied, its files in a folder.
 
-        Parameters
-        ----------
-        factors : mapping
-            Part -> factor on its compliance. A thousandth makes it as good as rigid.
-        folder : Path
-            Where the files of all three parts go.
+        Damping goes with the stiffness; a factor of a thousandth makes a part as good as rigid.
 
         Raises
         ------

@@ -110,18 +110,10 @@ def draw(
     factor: float,
     over: Mapping[str, Floats] | None = None,
 ) -> None:
-    """Draw the gaps of nominal and updated model, or one of them, along the record.
+    """Draw the gaps by model, as `sides` gives them, in one direction along the record.
 
-    Parameters
-    ----------
-    ax : matplotlib Axes
-        Where to draw.
-    gaps : dict of str to SignalGap
-        By model, as `sides` gives them.
-    direction, factor : str and float
-        The part that is drawn, and the factor from the gap's unit to the drawn one.
-    over : dict of str to ndarray, optional
-        What each gap is drawn against, as dots; default: its time, as a line.
+    `factor` leads from the gap's unit to the drawn one. With `over` they are dots over that, else a line over
+    time.
     """
     noise = noise_of(list(gaps.values())[-1])
     if noise:

@@ -28,22 +28,11 @@ def sheet(
     legend: bool = True,
     **options: Any,
 ) -> tuple[Figure, Any]:
-    """Axes in rows and columns, without pyplot's global state.
+    """Return a figure and its axes in rows and columns, without pyplot's global state.
 
-    Parameters
-    ----------
-    rows, columns : int
-        Of the axes.
-    height : float
-        Of one row, or of all together with `height_ratios` [in].
-    left : float
-        Margin for labels [in].
-    between : (2,)
-        Space between columns and between rows [in].
-    legend : bool
-        Whether a legend stands below.
-    **options
-        As of `Figure.subplots`.
+    All sizes are in inches: the height is that of one row, or of all together with `height_ratios`; `left` is
+    the margin for labels, `between` the space between columns and between rows. Options are as of
+    `Figure.subplots`.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

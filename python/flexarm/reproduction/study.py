@@ -109,18 +109,10 @@ class Study:
 def study(
     folder: Path, experiment: Experiment | None = None, seed: int = 2008, report: Report | None = None
 ) -> Study:
-    """Make the hinge, run the experiment and all models.
+    """Make the hinge, run the experiment (default: the paper's) and all models.
 
-    Parameters
-    ----------
-    folder : Path
-        Where the super-elements' files go; it must stay for as long as the study is used.
-    experiment : Experiment, optional
-        Default: the paper's.
-    seed : int
-        Of the virtual measurement's noise.
-    report : callable, optional
-        Gets the share done, 0 to 1, and what is being done.
+    The folder of the super-elements' files must stay for as long as the study is used; `report` gets the
+    share done, 0 to 1, and what is being done.
     """
     asked = experiment or Experiment()
     tell = report or (lambda done, what: None)

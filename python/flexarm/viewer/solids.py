@@ -227,19 +227,7 @@ def hung(
     name: str,
     colour: str,
 ) -> Skin:
-    """Return a part's mesh on its interfaces, eq. (1).
-
-    Parameters
-    ----------
-    surface : Surface
-        In the part's frame.
-    bones : list of int
-        Of the interfaces.
-    positions, rotations : ndarray, shapes (n, 3) and (n, 3, 3)
-        Of the interfaces in the part.
-    layer, name, colour : str
-        As of a skin.
-    """
+    """Return a mesh in the frame of its part on its interfaces, eq. (1), which stand there at these poses."""
     away = surface.corners[:, None] - positions
     place = np.einsum("kji,vkj->vki", rotations, away)
     squares = np.sum(away**2, axis=-1)
