@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -150,7 +151,7 @@ class SupernodalFactor<Scalar>::Fronts {
 
   bool note(int k, double pivot) {
     const int column = nodes_.order[k];
-    const double part = pivot / diagonal_[column];
+    const double part = pivot / std::abs(diagonal_[column]);
     if (!(part >= factor_.pivots_.worst)) factor_.pivots_ = {part, column};
     return pivot > 0;
   }
