@@ -32,7 +32,7 @@ class LawCurve:
     Attributes
     ----------
     at, quantity : str
-        Place and what is missing there: "windup", "torque" or "offset".
+        Place and what is missing there: "windup", "torque", "offset"; of the base "rotation about x", y or z.
     of : str
         State that the curve is a function of.
     unit, of_unit : str

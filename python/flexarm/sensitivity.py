@@ -161,6 +161,11 @@ def varied(
         One for each parameter that moves the arm or its drives.
     places : list of int
         Their places among the parameters.
+
+    Raises
+    ------
+    InvalidParameter
+        If a parameter shapes an arm with closed loops: conditions of closures have no derivative by it.
     """
     found, places = [], []
     for k, parameter in enumerate(wanted):
@@ -170,6 +175,15 @@ def varied(
             continue
         (above, up), (below, down) = neighbours(arm, parameter)
         plus, minus = (assembled(above), assembled(below)) if moves else [assembled(arm)] * 2
+        path = path_of(arm, parameter.key)
+        shape = path.table in ("links", "joints") and path.fields[0] in ("end", "origin", "axis")
+        bent = path.table == "effects" and plus.assembled != minus.assembled
+        if arm.closures and (shape or bent):
+            raise InvalidParameter(
+                "has no derivative in an arm with closed loops "
+                f"({', '.join(closure.name for closure in arm.closures)})",
+                where=parameter.key,
+            )
         motions: list[Motions] = []
         if redrive is not None and drives:
             motions = [redrive.motions(above), redrive.motions(below)]

@@ -34,6 +34,8 @@ def _parameters(name: str) -> str:
     model = model_for(name, paper_arm())
     effect, kind = start_of(name, model), effect_class(name)
     priors = effect.priors(model)
+    for start in effect.shapes():
+        priors |= effect.with_parameters(start).priors(model)
     if not priors:
         return "## Parameters\nIt has none."
     rows = []

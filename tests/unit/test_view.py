@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from arms import TUBE, beam, fixed, hinge, rigid
+from arms import TUBE, beam, fixed, hinge, point, rigid
 from browser import needs_chromium, visit
 
 import flexarm
@@ -66,6 +66,30 @@ def test_a_beam_is_drawn_with_its_section_along_its_deformed_centre_line():
     assert from_tip.min() == pytest.approx(TUBE["outer_diameter"] / 2, rel=1e-9)
     length = np.linalg.norm(corners.max(axis=0) - corners.min(axis=0))
     assert length == pytest.approx(0.8, rel=0.1)
+
+
+def test_a_sliding_joint_is_drawn_as_long_as_its_stroke():
+    """Oblique axis and origin: the rod ends at the frames of the joint and of its child."""
+    slide = {
+        "name": "slide",
+        "type": "prismatic",
+        "parent": "base",
+        "child": "rod",
+        "origin": {"xyz": [0.2, -0.1, 0.3], "rpy": [0.3, -0.4, 0.5]},
+        "axis": [0, 0, 1],
+    }
+    arm = Arm.from_dict(
+        {"joints": [slide], "links": [rigid("rod", 2.0)], "points": [point("eye", "rod", [0, 0, 0])]}
+    )
+    found = flexarm.static(arm, {"slide": 0.4})
+    scene = of_statics(found, 1.0)
+    skin = next(skin for skin in scene.skins if skin.name == "slide stroke")
+    corners = placed(skin, scene.clips[0].poses, 0)
+    base = np.array(slide["origin"]["xyz"])
+    along = (found.position[0] - base) / 0.4
+    assert np.linalg.norm(along) == pytest.approx(1.0)
+    reach = np.unique(np.round((corners - base) @ along, 9))
+    assert reach == pytest.approx([0.0, 0.4], abs=1e-9)
 
 
 def test_bones_of_a_run_lie_at_its_points(run):

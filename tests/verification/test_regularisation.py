@@ -15,7 +15,7 @@ TRACKER = 5e-5
 SPRING = _core.ReducerSpring
 
 
-def rough() -> flexarm.Arm:
+def rough(**shape: float) -> flexarm.Arm:
     """The paper's arm with backlash, friction on both sides and hysteresis in its reducer."""
     model = paper_arm(2, damping_ratio=0.01)
     return model.replace(
@@ -23,18 +23,18 @@ def rough() -> flexarm.Arm:
             JointCompliance(at="hinge", stiffness=1.5e5, damping=300.0),
             JointHysteresis(at="hinge", torque=30.0, width=3e-4),
             Backlash(at="hinge", gap=4e-4),
-            CoulombFriction(at="hinge", torque=15.0),
-            MotorFriction(at="hinge", coulomb=20.0, viscous=5.0),
+            CoulombFriction(at="hinge", torque=15.0, **shape),
+            MotorFriction(at="hinge", coulomb=20.0, viscous=5.0, **shape),
         )
     )
 
 
-def swung(period: float = 5.0) -> flexarm.Simulation:
+def swung(period: float = 5.0, **shape: float) -> flexarm.Simulation:
     """Three times through the vertical, where the torque changes sign."""
     turn = drive(
         {"hinge": lambda t: 0.6 * np.sin(2 * np.pi * t / period) * smooth_step(t / 2)}, 2 * period, 2001
     )
-    return flexarm.simulate(rough(), turn, step=2e-3)
+    return flexarm.simulate(rough(**shape), turn, step=2e-3)
 
 
 @pytest.fixture(scope="module")
@@ -77,11 +77,9 @@ def test_what_is_left_in_the_gap_does_not_matter(usual, monkeypatch, width, valu
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
-def test_the_width_of_stiction_does_not_matter(usual, monkeypatch, factor):
+def test_the_width_of_stiction_does_not_matter(usual, factor):
     """Twice of 2e-5 rad moves the tip by what a tracker sees at instants, and by half of it in the mean."""
-    monkeypatch.setattr("flexarm.effects.coulomb_friction.STICK_WIDTH", 2e-5 * factor)
-    monkeypatch.setattr("flexarm.effects.motor_friction.STICK_WIDTH", 2e-5 * factor)
-    moved = np.linalg.norm(swung().position - usual.position, axis=-1)
+    moved = np.linalg.norm(swung(width=2e-5 * factor).position - usual.position, axis=-1)
     assert 0 < moved.max() < 1.2 * TRACKER
     assert np.sqrt(np.mean(moved**2)) < 0.5 * TRACKER
 

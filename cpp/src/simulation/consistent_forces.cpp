@@ -119,10 +119,15 @@ void ConsistentForcesIn<D>::solve(const assembly::StateIn<D>& state, VectorXd& x
 }
 
 template <int D>
-const assembly::StateIn<D>& ConsistentForcesIn<D>::of(const assembly::StateIn<D>& state) {
+const assembly::StateIn<D>& ConsistentForcesIn<D>::of(const assembly::StateIn<D>& state,
+                                                      const assembly::LoadsIn<D>* loads) {
   system_.constraint_acceleration(state, c_);
   change_.setZero();
   if (c_.isZero(0)) return state;  // at rest
+  if (loads != nullptr && !changes_.follows_constraints()) {
+    system_.evaluate(state, *loads, r_, phi_);
+    change_.head(system_.n_free()) = -r_.head(system_.n_free());
+  }
   change_.tail(c_.size()) = -scale_ * c_;
   solve(state, change_);  // eq. (2)
   consistent_ = state;
@@ -166,8 +171,9 @@ bool moves(const StateDerivative& derivative, Eigen::Index k) {
 }
 
 template <int D>
-void ConsistentForceSlopesIn<D>::find(const assembly::StateIn<D>& state, const StateDerivative& derivative) {
-  state_ = &forces_.of(state);
+void ConsistentForceSlopesIn<D>::find(const assembly::StateIn<D>& state, const assembly::LoadsIn<D>& loads,
+                                      const StateDerivative& derivative) {
+  state_ = &forces_.of(state, &loads);
   derivative_ = derivative;
   if (state_ == &state || derivative.size() == 0) return;
   for (Eigen::Index k = 0; k < derivative.size(); ++k) {

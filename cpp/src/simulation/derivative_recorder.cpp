@@ -50,7 +50,7 @@ void DerivativeRecorderIn<D>::record(Eigen::Index k, const StateIn<D>& state,
   }
   if (!options_.record_joints && !options_.record_forces) return;
   const bool consistent = options_.has_consistent_forces();
-  if (consistent) forces_.find(state, derivative);
+  if (consistent) forces_.find(state, loads, derivative);
   const StateIn<D>& recorded = consistent ? forces_.state() : state;
   const StateDerivative& slopes = consistent ? forces_.derivative() : derivative;
   if (options_.record_joints) joints_.record(k, recorded, slopes, out_);

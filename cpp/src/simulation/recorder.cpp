@@ -36,7 +36,7 @@ RecorderIn<D>::RecorderIn(const SystemIn<D>& system, const TransientOptions& opt
 
 template <int D>
 void RecorderIn<D>::record(Eigen::Index k, const StateIn<D>& state, const LoadsIn<D>& loads) {
-  write(k, options_.has_consistent_forces() ? forces_.of(state) : state, loads);
+  write(k, options_.has_consistent_forces() ? forces_.of(state, &loads) : state, loads);
 }
 
 template <int D>

@@ -257,6 +257,10 @@ class Effect(EffectTraits):
                 values[name] = max(values[name], 0.3 * zero)
         return values
 
+    def shapes(self) -> Iterable[Mapping[str, float]]:
+        """Return values of `shape` from which a search frees these parameters, where it leaves a gap."""
+        return []
+
     def acting_as(
         self, other: Effect, other_stated: Effect | None, stated: Effect | None
     ) -> dict[str, float] | None:

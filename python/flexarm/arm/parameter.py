@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from math import isinf
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arm.closure import refuse_closures
 from flexarm.arm.effect import Effect
 from flexarm.arm.joint_units import unit_at
 from flexarm.arm.link import Beam
@@ -101,9 +100,7 @@ def parameters(arm: Arm, keys: Iterable[str]) -> tuple[Parameter, ...]:
         If a key means nothing in this arm, or the model's predictions have no derivative by it.
     """
     found: dict[str, Parameter] = {}
-    if keys := [keys] if isinstance(keys, str) else list(keys):
-        refuse_closures(arm, "a derivative")
-    for key in keys:
+    for key in [keys] if isinstance(keys, str) else keys:
         for parameter in _parameters(arm, key):
             found.setdefault(parameter.key, parameter)
     return tuple(found.values())

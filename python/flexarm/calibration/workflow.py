@@ -13,7 +13,6 @@ import numpy as np
 
 from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, takes
 from flexarm.arm import Arm
-from flexarm.arm.closure import refuse_closures
 from flexarm.arrays import Floats
 from flexarm.calibration.estimates import (
     CalibratedFamily,
@@ -102,7 +101,6 @@ def calibrate(
     >>> found = flexarm.calibrate(arm, [poses], families=["joint_compliance"])  # doctest: +SKIP
     >>> found.save("calibrated")  # doctest: +SKIP
     """
-    refuse_closures(arm, "calibrate")
     begun, rules = time.monotonic(), policy or CalibrationPolicy()
     tell = progress or (lambda done, what: None)
     family_kinds(families)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arm.closure import refuse_closures
-from flexarm.cli.options import blame, load_arm
+from flexarm.cli.options import load_arm
 from flexarm.cli.progress import progress
 from flexarm.cli.records import blame_one_of, load_record, record_names
 from flexarm.errors import Problem
@@ -29,8 +28,6 @@ def check_records(
         If model or records cannot be read, or do not belong together.
     """
     arm = load_arm(model)
-    with blame(model):
-        refuse_closures(arm, "a check of records")
     files = record_names(paths)
     records = {name: load_record(path, arm) for name, path in files.items()}
     next_step = f"how far they are from the model: flexarm compare {model} {paths[0]}"

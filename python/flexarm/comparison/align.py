@@ -16,7 +16,7 @@ is then aligned away. `compare(..., align=False)` shows the gap without that.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -158,7 +158,8 @@ class _WeightedResiduals:
         parameters: list[AlignmentParameter],
         gross: Mapping[str, NDArray[np.bool_]],
     ) -> None:
-        self.simulated, self.start, self.parameters = simulated, start, parameters
+        self.simulated = replace(simulated, motions={})  # frames move, mostly at the same instants
+        self.start, self.parameters = start, parameters
         places = {each.place for each in parameters}
         self.signals = [
             signal

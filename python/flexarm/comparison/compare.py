@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arguments import ARM, FLAG, MOTION, NUMBER, RECORD, ROW, takes
-from flexarm.arm.closure import refuse_closures
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
@@ -90,7 +89,6 @@ def compare(
     --------
     >>> print(flexarm.compare(arm, flexarm.Record.load("measured")))  # doctest: +SKIP
     """
-    refuse_closures(arm, "compare")
     pair = simulate_record(arm, record, align, simulation=simulation, step=step, alpha=alpha)
     simulated, aligned = pair.simulated, pair.aligned
     modes_hz = pair.modes_hz if bands is None else ()

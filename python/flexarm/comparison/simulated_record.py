@@ -20,7 +20,7 @@ from flexarm.measurement.effects_of import SensorEffects, effects_of
 from flexarm.measurement.encoder import told
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.outliers import expected_outliers
-from flexarm.measurement.predict import read
+from flexarm.measurement.predict import in_base, in_frame
 from flexarm.measurement.sampling import CannotMeasure, columns
 from flexarm.record.plausibility import disjoint_signals
 
@@ -72,6 +72,8 @@ class SimulatedRecord:
         Why the others are not compared.
     arm : Arm
         The model whose effects on sensors, clocks and frames count.
+    motions : dict of str to tuple, optional
+        Last instants of each signal and its readings in the base there, where many frames are tried.
     """
 
     simulation: Any
@@ -80,6 +82,7 @@ class SimulatedRecord:
     signals: Mapping[str, Signal]
     skipped: Mapping[str, str]
     arm: Any
+    motions: dict[str, tuple[Floats, Floats]] | None = field(default=None, compare=False, repr=False)
 
     @property
     def evidence(self) -> dict[str, Signal]:
@@ -115,8 +118,19 @@ class SimulatedRecord:
         if hold:
             instants = np.minimum(instants, self.simulation.time[-1])
         what = told(self.simulation, signal, self.record.drive)
-        true = read(self.simulation, what, instants, self.frame(signal, placement))
+        motion = self._motion(what, instants)
+        true = in_frame(self.simulation, what, instants, motion, self.frame(signal, placement))
         return self.effects(signal).reading(true, rounded=False)
+
+    def _motion(self, what: Signal, instants: Floats) -> Floats:
+        """Return readings in the base, those of the last call where the instants are the same."""
+        last = (self.motions or {}).get(what.name)
+        if last is not None and np.array_equal(last[0], instants):
+            return last[1]
+        found = in_base(self.simulation, what, instants)
+        if self.motions is not None:
+            self.motions[what.name] = instants, found
+        return found
 
     def residual(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:
         """Return measured minus predicted, shape (n, channels); for orientations a rotation vector."""
@@ -185,7 +199,7 @@ def pair_record(
                 skipped[name] += f", {', '.join(signal.empty)} holds none; leave it out of axes and channels"
             continue
         try:
-            read(simulation, signal, stamps[name][:1])
+            in_base(simulation, signal, stamps[name][:1])
         except CannotMeasure as error:
             skipped[name] = str(error)
         else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from flexarm.arm import Arm
@@ -116,6 +116,12 @@ class Candidate:
     def opened(self) -> Candidate:
         """Return the same with a size for each of its places."""
         return self
+
+    def reshaped(self) -> Iterator[Candidate]:
+        """Yield the same with one more part of its law's shape free, from each start of that."""
+        for start in self.effect.shapes():
+            if not start.keys() & set(self.free):
+                yield replace(self, effect=self.effect.with_parameters(start), free=(*self.free, *start))
 
     def enter(self, arm: Arm) -> Arm:
         """Return a model with the effect, and with what it needs."""

@@ -170,6 +170,10 @@ class EffectFamily(Candidate):
         }
         return EffectFamily.of(self.members, hierarchy, shared=False)
 
+    def reshaped(self) -> Iterator[Candidate]:
+        """Yield nothing: a family's members are alike, shapes are of single laws."""
+        yield from ()
+
     def without_place(self, at: str) -> EffectFamily:
         """Return the same without one of its places."""
         return EffectFamily.of([m for m in self.members if m.effect.at != at], self.hierarchy, self.shared)

@@ -23,6 +23,7 @@ MOVES = (
     "pairs",
     "triples",
     "spring_swap",
+    "shapes",
     "model_errors",
     "backward",
     "swap",

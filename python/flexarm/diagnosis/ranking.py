@@ -6,7 +6,8 @@ correlation of a remainder that nobody knows; it decides only among those that f
 as well as the best one, by eq. (2) of `left_out`, and are as plausible, by eq. (6) of `acceptance`: a forearm
 of thirty times its mass leaves as little as two soft joints beside a friction that neither knows. What leaves
 a gap of which it takes too little to be worth a name, as a rate that is read late while an arm goes
-elsewhere, stands back for what takes more.
+elsewhere, stands back for what takes more. When the time is over evidence alone decides: fits that have not
+come to rest foretell badly and strain values.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from functools import cmp_to_key
 
 import numpy as np
 
+from flexarm.budget import current
 from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.cross_validation import log_odds_lost, press_rms
 from flexarm.diagnosis.estimator import Estimator
@@ -54,7 +56,7 @@ def _ranked(fits: Sequence[Fit], old: Fit, criteria: Criteria) -> list[Fit]:
     def behind(one: Fit, other: Fit) -> int:
         return int(np.sign(log_bayes_factor(other, one, problem)))
 
-    if not criteria.all_leave_gaps(fits):
+    if current().spent or not criteria.all_leave_gaps(fits):
         return sorted(fits, key=cmp_to_key(behind))
     odd = [implausibility(f) for f in fits]
     less = [lost + u - min(odd) for lost, u in zip(log_odds_lost(fits, problem), odd, strict=True)]

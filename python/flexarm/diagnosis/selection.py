@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from flexarm.budget import allows
+from flexarm.budget import allows, current
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import Candidate, carries
@@ -22,7 +22,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import explained_share, log_bayes_factor
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.families import without_idle_places
-from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS
+from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES
 from flexarm.diagnosis.moves.search_state import Move, SearchState
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
 from flexarm.diagnosis.ranking import best_of
@@ -102,11 +102,23 @@ def forward(state: SearchState, best: Fit, about: Estimator, tell: Note) -> tupl
             break
         tell(f"looking for effect {count + 1}", count / (state.criteria.policy.most_effects + 1))
         larger = enlarged(state, best, about)
-        if larger is None or not state.criteria.accepts(larger[0], best):
+        if larger is None or not accepted(state.criteria, larger[0], best):
             break
-        best, about = larger
+        best, about = reshaped(state, *larger)
         if best is state.complete:
             break
+    return best, about
+
+
+def reshaped(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Estimator]:
+    """Return a model whose laws have another shape where the data ask for that, before more effects."""
+    criteria = state.criteria
+    while not criteria.explains(best):
+        found = proposed(state, SHAPES, best, about)
+        better, there = best_of(about, found, best, criteria) if found else (best, about)
+        if not found or not accepted(criteria, better, best):
+            break
+        best, about = better, there
     return best, about
 
 
@@ -139,9 +151,20 @@ def enlarged(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Esti
         if not sets:
             continue
         more, where = best_proposed(state, about, sets, better)
-        if criteria.accepts(more, better):
+        if accepted(criteria, more, better):
             better, there = more, where
     return better, there
+
+
+def accepted(criteria: Criteria, new: Fit, old: Fit) -> bool:
+    """Return True if a model is accepted in the place of another one; when the time is over, of more
+    evidence.
+
+    Fits that the end of the time left unfinished are no ground for any other reason.
+    """
+    if not criteria.accepts(new, old):
+        return False
+    return not current().spent or log_bayes_factor(new, old, criteria.problem) > 0
 
 
 def proposed(state: SearchState, moves: Mapping[str, Move], best: Fit, about: Estimator) -> list[Fit]:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arguments import ARM, COUNT, FLAG, JOBS, NUMBER, POLICY, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
-from flexarm.arm.closure import refuse_closures
 from flexarm.arm.spring_effect import SpringEffect
 from flexarm.budget import allows, current, limited
 from flexarm.configuration import version
@@ -135,7 +134,6 @@ def diagnose(
     >>> found = flexarm.diagnose(arm, [slow, fast], hold_out=other_day)  # doctest: +SKIP
     >>> found.save("diagnosis")  # doctest: +SKIP
     """
-    refuse_closures(arm, "diagnose")
     with limited(max_seconds), one_blas_thread():
         return _diagnosis(arm, records, hold_out, jobs, seed, step, alpha, policy, laws, progress)
 

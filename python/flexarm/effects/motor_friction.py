@@ -4,8 +4,9 @@ r"""Friction of the motor, referred to the output side.
 w    (1)
 
 \varphi [rad] is the motor's angle over the ratio; T_f [N m], the motor's own friction torque times the ratio,
-opposes \dot\varphi; w = 2e-5 rad as in the output bearing. It acts on the motor and not on T, the torque on
-the link: where the motor's angle is imposed it is seen only in the motor's torque.
+opposes \dot\varphi; w = 2e-5 rad as in the output bearing (`coulomb_friction`), and so are other shapes. It
+acts on the motor and not on T, the torque on the link: where the motor's angle is imposed it is seen only in
+the motor's torque.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.friction_effect import FrictionEffect
 from flexarm.arm.motor_limits import back_emf_damping, stall_torque, within
 from flexarm.arm.prior import Prior
-from flexarm.effects.coulomb_friction import STICK_WIDTH
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from flexarm.assembly.machine import Machine
 
 
-class MotorFriction(Effect):
+class MotorFriction(FrictionEffect):
     """Dry and viscous friction of the motor.
 
     Parameters
@@ -35,23 +36,22 @@ class MotorFriction(Effect):
         T_c of (1) [N m], output-referred.
     viscous : float
         c of (1) [N m s/rad], output-referred.
+    width, creep_rate, drop, stribeck_rate : float
+        Shape of the dry friction, of `FrictionEffect`, output-referred [rad, rad/s, -, rad/s].
     """
 
     name: ClassVar[str] = "motor_friction"
     torque_at = "motor"
-    smooth = False
-    one_signed = True
     non_negative = ("coulomb", "viscous")
-    varies_with = "rate"
     coulomb: Number = value_in("N m", "dry friction of the motor, output-referred", 0.0, ge=0)
     viscous: Number = value_in("N m s/rad", "viscous friction of the motor, output-referred", 0.0, ge=0)
 
     def patch(self, machine: Machine) -> None:
-        """Dahl's law and a damper on the motor's angle, eq. (1)."""
+        """Dry friction and a damper on the motor's angle, eq. (1)."""
         from flexarm import _core
 
         machine.drive_trains[self.at].motor += [
-            _core.DahlFriction(self.coulomb, STICK_WIDTH),
+            *self.laws(self.coulomb),
             _core.ViscousFriction(self.viscous),
         ]  # eq. (1)
 
@@ -74,4 +74,5 @@ class MotorFriction(Effect):
         return {
             "coulomb": within(stall_torque(arm, self.at), dry),
             "viscous": within(back_emf_damping(arm, self.at), viscous),
+            **self.shape_priors(),
         }

@@ -15,10 +15,9 @@ from flexarm.measurement import deformation, encoder, imu, torque, tracker
 from flexarm.measurement.clocks import EXACT, ClockError
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.frames import IDENTITY, Registration
-from flexarm.measurement.sampling import CannotMeasure, Described
+from flexarm.measurement.sampling import CannotMeasure, Described, columns
 
 Reading = Callable[[Any, Described, Floats], Floats]
-FramedReading = Callable[[Any, Described, Floats, Registration], Floats]
 
 READINGS: dict[str, Reading] = {
     "joint_angle": encoder.joint_angle,
@@ -34,8 +33,11 @@ READINGS: dict[str, Reading] = {
 }
 """Readings that do not depend on a frame of measurement, by quantity."""
 
-FRAMED_READINGS: dict[str, FramedReading] = {"position": tracker.position, "orientation": tracker.orientation}
-"""Readings in a frame of measurement, by quantity."""
+FRAMED_READINGS: dict[str, Reading] = {
+    "position": tracker.base_position,
+    "orientation": tracker.base_orientation,
+}
+"""Readings that are made in a frame of measurement, here still in the base, by quantity."""
 
 
 def predict(
@@ -86,8 +88,21 @@ def predict(
 
 def read(simulation: Any, what: Described, instants: Floats, registration: Registration = IDENTITY) -> Floats:
     """Return the values of a perfect sensor at true instants, shape (n, channels); errors as `predict`."""
-    if what.quantity in FRAMED_READINGS:
-        return FRAMED_READINGS[what.quantity](simulation, what, instants, registration)
-    if what.quantity in READINGS:
-        return READINGS[what.quantity](simulation, what, instants)
-    raise CannotMeasure(f"signal {what.name!r}: {what.quantity} is an input, no simulation predicts it")
+    return in_frame(simulation, what, instants, in_base(simulation, what, instants), registration)
+
+
+def in_base(simulation: Any, what: Described, instants: Floats) -> Floats:
+    """Return what a perfect sensor would read if its frame were the base; of positions all three axes."""
+    reading = FRAMED_READINGS.get(what.quantity) or READINGS.get(what.quantity)
+    if reading is None:
+        raise CannotMeasure(f"signal {what.name!r}: {what.quantity} is an input, no simulation predicts it")
+    return reading(simulation, what, instants)
+
+
+def in_frame(
+    simulation: Any, what: Described, instants: Floats, values: Floats, registration: Registration
+) -> Floats:
+    """Return readings `in_base` as they are in the sensor's frame, along its axes."""
+    if what.quantity == "position":
+        return registration.positions(values, instants - simulation.time[0])[:, columns(what.axes)]
+    return registration.orientations(values) if what.quantity == "orientation" else values

@@ -26,6 +26,10 @@ EARLY = 0.05
 """Time before its first step in which a motion keeps its first rate [s]: clocks are late by less."""
 
 
+MANY = 100_000
+"""Instants from which SciPy's evaluation saves more than its import takes."""
+
+
 class CannotMeasure(InvalidParameter):
     """The simulation does not hold what a sensor measures; says what is missing."""
 
@@ -93,14 +97,19 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
     if len(time) < 2:
         return np.where(_column(instants <= time[-1], values), values[0], np.nan)
     inside = np.clip(instants, time[0], time[-1])
-    i = np.clip(np.searchsorted(time, inside, side="right") - 1, 0, len(time) - 2)
-    s = _column((inside - time[i]) / (time[i + 1] - time[i]), values)
-    k = np.arange(len(time) - 1) if len(time) < len(instants) else i  # of fewer, steps or instants
+    dense = len(instants) > max(len(time), MANY)
+    last = len(time) - 2
+    k = np.arange(last + 1) if dense else np.clip(np.searchsorted(time, inside, side="right") - 1, 0, last)
     v_0, v_1 = (_slope(time, values, at) if rates is None else rates[at] for at in (k, k + 1))
     h, jump = _column(time[k + 1] - time[k], values), values[k + 1] - values[k]
-    powers = (values[k], h * v_0, 3 * jump - h * (2 * v_0 + v_1), h * (v_0 + v_1) - 2 * jump)
-    a, b, c, d = powers if k is i else (each[i] for each in powers)
-    found = ((d * s + c) * s + b) * s + a  # eq. (1), by powers of s
+    d, c = (v_0 + v_1 - 2 * jump / h) / h**2, (3 * jump / h - 2 * v_0 - v_1) / h  # eq. (1), by powers of t
+    if dense:
+        from scipy.interpolate import PPoly
+
+        found = PPoly.construct_fast(np.stack([d, c, v_0, values[k]]), time)(inside)
+    else:
+        t = _column(inside - time[k], values)
+        found = ((d * t + c) * t + v_0) * t + values[k]
     found[inside == time[-1]] = values[-1]  # to the last digit, as at the other instants of the run
     if rates is not None:
         found = found + _column(np.clip(instants - time[0], -EARLY, 0.0), values) * rates[0]

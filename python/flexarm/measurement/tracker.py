@@ -1,4 +1,4 @@
-"""Laser trackers and the like: positions and orientations of points, in a frame of their own.
+"""Laser trackers and the like: positions and orientations of points; `predict` turns them into a frame.
 
 A tracker samples a moving point: it neither averages nor filters, so a mode above half of its rate appears at
 a lower frequency (2.5 Hz sampled at 2.3 Hz at 0.2 Hz). The simulation is sampled at the same instants and
@@ -12,14 +12,7 @@ from typing import Any
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.measurement.frames import Registration
-from flexarm.measurement.sampling import Described, columns, point_index, sample, stored
-
-
-def position(simulation: Any, what: Described, instants: Floats, registration: Registration) -> Floats:
-    """Return the position of the signal's point in the frame of measurement [m], shape (n, axes)."""
-    places = base_position(simulation, what, instants)
-    return registration.positions(places, instants - simulation.time[0])[:, columns(what.axes)]
+from flexarm.measurement.sampling import Described, point_index, sample, stored
 
 
 def base_position(simulation: Any, what: Described, instants: Floats, point: str | None = None) -> Floats:
@@ -31,11 +24,6 @@ def base_position(simulation: Any, what: Described, instants: Floats, point: str
         instants,
         stored(simulation, "velocity", what)[:, p],
     )
-
-
-def orientation(simulation: Any, what: Described, instants: Floats, registration: Registration) -> Floats:
-    """Return the quaternion (x, y, z, w) of the signal's body in the frame of measurement, shape (n, 4)."""
-    return registration.orientations(base_orientation(simulation, what, instants))
 
 
 def base_orientation(simulation: Any, what: Described, instants: Floats) -> Floats:

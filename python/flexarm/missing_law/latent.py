@@ -9,7 +9,8 @@ simulated again, J stays:
 
 .. math:: r \leftarrow r(c) - J c                                                                       (2)
 
-An offset of a sensor is a function of time for each of its channels; there J is exact.
+An offset of a sensor is a function of time for each of its channels; there J is exact. A rotation of the
+base is one for each axis (`base`).
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import Problem
 from flexarm.drive.doubts import slides
+from flexarm.missing_law.base import BASE, base_responses
 from flexarm.missing_law.gaussian import GaussianData, GaussianModel, matern_root
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.windup import TimeBasis, WindupResponse
@@ -90,7 +92,7 @@ def nuisance_projection(problem: Problem, fit: Fit) -> Projection:
 
 
 def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[Latent]:
-    """Yield the latent motion of each place: windup of driven joints, offsets of sensors."""
+    """Yield the latent motion of each place: driven joints, axes of the base, sensors."""
     from flexarm.diagnosis.candidate import with_members
 
     arm = with_members(fit.nuisance.arm, fit.members)
@@ -101,6 +103,8 @@ def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[La
             continue
         if found is not None:
             yield found
+    for axis, bases, jacobian in base_responses(problem, arm, policy):
+        yield _exact(BASE, f"rotation about {axis}", "rad", problem, fit, bases, jacobian, policy)
     for signal in dict.fromkeys(rows.signal for rows in problem.rows):
         yield _offset(signal, problem, fit, policy)
 
@@ -170,19 +174,33 @@ def size_of(model: GaussianModel, columns: Floats) -> float:
     return float(np.linalg.norm(model.factor) / max(float(np.linalg.norm(columns)), 1e-300))
 
 
-def _offset(signal: str, problem: Problem, fit: Fit, policy: LawPolicy) -> Latent:
-    """Return the offset of a sensor, a function of time for each channel and record."""
+def _exact(
+    at: str,
+    quantity: str,
+    unit: str,
+    problem: Problem,
+    fit: Fit,
+    bases: Sequence[TimeBasis],
+    jacobian: Floats,
+    policy: LawPolicy,
+) -> Latent:
+    """Return the latent motion of a place whose response is linear; jacobian has shape (n, m)."""
     scale = noise_scale(problem, fit)
     data = GaussianData(-fit.residual / scale, nuisance_projection(problem, fit))
+    places = [basis.places for basis in bases]
+    model, mean, deviation, length = _most_likely(data, jacobian / scale[:, None], places, policy)
+    return Latent(at, quantity, unit, data, model, length, mean, deviation, bases)
+
+
+def _offset(signal: str, problem: Problem, fit: Fit, policy: LawPolicy) -> Latent:
+    """Return the offset of a sensor, a function of time for each channel and record."""
     rows = [each for each in problem.rows if each.signal == signal]
     bases = [TimeBasis.over(float(each.time[0]), float(each.time[-1]) + 1e-6, policy) for each in rows]
     blocks = np.cumsum([0, *map(len, bases)])
     jacobian = np.zeros((len(problem), blocks[-1]))
     for each, basis, first in zip(rows, bases, blocks, strict=False):
-        values = basis.at(each.time) / (each.sigma * scale[each.where])[:, None]
-        jacobian[each.where, first : first + len(basis)] = values
-    model, mean, deviation, length = _most_likely(data, jacobian, [basis.places for basis in bases], policy)
+        jacobian[each.where, first : first + len(basis)] = -basis.at(each.time) / each.sigma
     unit = {"position": "m", "orientation": "-"}.get(
         problem.records[rows[0].record].signals[signal].quantity, ""
     )
-    return Latent(signal, "offset", unit, data, model, length, mean, deviation, bases)
+    return _exact(signal, "offset", unit, problem, fit, bases, jacobian, policy)

@@ -18,6 +18,7 @@ from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.diagnosis.zeros import without_idle_zeros
 from flexarm.effects.tabulated_law import ACTS, TabulatedLaw
 from flexarm.law_curve import LawCurve, LawKind
+from flexarm.missing_law.base import BASE
 from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.curves import as_torque, curve_in_time, curve_of_fit, curve_of_law, stiffness_of
 from flexarm.missing_law.latent import Latent, latent_motions
@@ -26,6 +27,9 @@ from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.prediction import gaps_with_law
 from flexarm.missing_law.refit import FittedLaw, fitted_law
 from flexarm.missing_law.states import joint_states
+
+STATELESS = ("time", "none")
+"""Kinds that are no function of a state."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +117,7 @@ def missing_laws(
     found: list[_Told] = []
     for fit in fits:
         found = _About(estimator, fit, check, policy).laws()
-        if any(each.curve.kind not in ("time", "none") for each in found):
+        if any(each.curve.kind not in STATELESS for each in found):
             break
     fitted = (each for each in found if each.added is not None)
     added = next((each.added for each in fitted if check.accepts(each.curve.held_out, policy)), None)
@@ -156,13 +160,15 @@ class _About:
         if not known:
             return []
         thresholds = self.problem.policy
-        best = max(each.model.log_evidence for each in known)
+        rivals = [each for each in known if each.at != BASE] or known
+        best = max(each.model.log_evidence for each in rivals)
         near = [each for each in known if each.model.log_evidence > best - thresholds.reach]
         near.sort(key=lambda each: -each.model.log_evidence)
         shares = _shares([each.model.log_evidence for each in near], thresholds.most_certain)
         laws: list[_Told] = []
         for latent, share in zip(near, shares, strict=True):
             laws += self._of_place(latent, share)
+        laws.sort(key=lambda each: each.curve.kind in STATELESS)
         return laws[: self.policy.most_laws]
 
     def _applies(self) -> bool:
@@ -179,15 +185,16 @@ class _About:
     def _of_place(self, latent: Latent, probability: float) -> list[_Told]:
         """Return the laws of a place: the best state's, and a torque that acts as its windup does."""
         in_time = curve_in_time(latent, probability)
+        slow = latent.length >= max(self.policy.lengths)
         if latent.response is None:
-            return [_Told(in_time)]
+            says = f"the {latent.quantity} of {latent.at} explains the gap; it is no part of the model"
+            return [_Told(replace(in_time, kind="time" if slow else "none", says=says))]
         search = LawSearch(latent, joint_states(latent, self.policy), self.problem, self.fit, self.policy)
         best = search.best()[0]
         in_blocks = latent.model.predictive(search.blocks)
         share = search.share(best)
         foretells = best.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share
         if share < self.policy.least_share or not foretells:
-            slow = latent.length >= max(self.policy.lengths)
             kind: LawKind = "time" if slow and in_blocks > best.predictive else "none"
             what = (
                 "drifts with time" if kind == "time" else f"follows no state: {best.of} explains {share:.0%}"

@@ -32,7 +32,7 @@ STYLE: Any = {
     "lines.linewidth": 1.1,
     "legend.framealpha": 0.9,
     "figure.constrained_layout.use": True,
-    "savefig.dpi": 200,
+    "savefig.dpi": 300,
     "pdf.fonttype": 42,
 }
 DOTS = 170

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexarm.report.gap_tables import changed_signals, changes
-from flexarm.wording import listed, number, place_words, probability, scale, with_unit
+from flexarm.wording import listed, number, place_words, probability, scale, signed, with_unit
 
 if TYPE_CHECKING:
     from flexarm.comparison.pooled_gap import PooledGap
@@ -24,6 +24,8 @@ HEADLINES = {
 RESIZED = "An effect of the model has other values than stated"
 LISTED = 3
 """Most refined values, and signals, that a verdict names; tables have all."""
+FAR = 3.0
+"""Stated sigmas beyond which a refined nominal value is said first: one value in 370 by chance."""
 ALIKE = 20.0
 """How many times less probable a rival may be that the data cannot tell from an effect."""
 
@@ -43,14 +45,34 @@ def headline(diagnosis: Diagnosis) -> str:
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
-    """Return what was found, in one or two sentences."""
+    """Return what was found, in one or two sentences, after nominal values that moved far."""
     told = {
         "effects": _effects,
         "adequate": _adequate,
         "unexplained": _unexplained,
         "unusable": _unusable,
     }[diagnosis.verdict](diagnosis)
-    return " ".join(part for part in told if part)
+    return " ".join(part for part in (moved_sentence(diagnosis), *told) if part)
+
+
+def moved_sentence(diagnosis: Diagnosis) -> str:
+    """Return which nominal values moved by more than `FAR` of their sigmas; empty if none did."""
+    far = [each for each in diagnosis.refinements if each.pull is not None and abs(each.pull) > FAR]
+    if not far:
+        return ""
+    told = [
+        f"{each.refined.parameter} from {with_unit(each.refined.nominal, each.refined.unit)} to "
+        f"{with_unit(each.refined.value, each.refined.unit)} ({signed(each.pull or 0.0, 1)} stated sigma)"
+        for each in sorted(far, key=lambda each: -abs(each.pull or 0.0))
+    ]
+    more = f", and {len(told) - LISTED} more" if len(told) > LISTED else ""
+    which = f"{', '.join(told[:LISTED])}{more}" if more else listed(told)
+    who, was = ("A nominal value", "was") if len(told) == 1 else (f"{len(told)} nominal values", "were")
+    it = "it" if len(told) == 1 else "they"
+    return (
+        f"{who} moved far beyond what is stated: {which}; {it} {was} stated wrongly, or {it} "
+        f"{'stands' if it == 'it' else 'stand'} in for what is missing."
+    )
 
 
 def named(effect: NamedEffect) -> str:

@@ -35,7 +35,12 @@ THIN: dict[str, Any] = {"linewidth": 0.6, "zorder": 3}
 
 def draw(number: str, table: Table, surfaces: Sequence[Surface] = ()) -> Figure:
     """Draw the figure of that number; Figure 6 shows the surfaces of the mock-up."""
-    figure: Figure = deformed(table, surfaces) if number == "06" else _DRAWERS[number](table)
+    if number == "06":
+        return deformed(table, surfaces)
+    figure = _DRAWERS[number](table)
+    if len(figure.axes) > 1:
+        for letter, ax in zip("abcdefgh", figure.axes, strict=False):
+            ax.set_title(f"({letter})", loc="left", fontweight="bold")
     return figure
 
 
@@ -82,43 +87,55 @@ def positions(table: Table) -> Figure:
 
 def zoom(table: Table) -> Figure:
     """Draw Figure 8: the vertical position enlarged, and the oscillations that the rigid arm lacks."""
+    from scipy.interpolate import CubicSpline
+
     figure, (above, below) = _figure(2, 4.8, sharex=True, height_ratios=(1.3, 1))
     time = table["time_s"].values
-    _three(above, table, "z")
+    rigid, model = table["rigid_z_m"].values, table["model_z_m"].values
+    fine = np.linspace(time[0], time[-1], 10 * len(time))  # lines without corners between the rows
+    arm, tip = (CubicSpline(time, z)(fine) for z in (rigid, model))
+    above.plot(fine, arm, "--", color=RIGID, label="rigid arm at the encoder's angle")
+    above.plot(fine, tip, color=MODEL, label="finite-element model")
+    _dots(above, time, table["measured_z_m"].values)
     above.set_ylabel("vertical position z [m]")
     _legend(above)
-    rigid = table["rigid_z_m"].values
-    below.plot(time, 1e3 * (table["model_z_m"].values - rigid), color=MODEL)
+    below.plot(fine, 1e3 * (tip - arm), color=MODEL)
     _dots(below, time, 1e3 * (table["measured_z_m"].values - rigid))
     below.set(xlabel="time [s]", ylabel="z minus rigid z [mm]", xlim=(time[0], time[-1]))
     return figure
 
 
 def error(table: Table) -> Figure:
-    """Draw Figure 9: vertical and horizontal error of the rigid position."""
-    figure, axes = _figure(2, 4.6, sharex=True)
+    """Draw Figure 9: vertical and horizontal error of the rigid position, and what the model leaves of it."""
+    figure, axes = _figure(3, 6.6, sharex=True)
     time = table["time_s"].values
-    for ax, axis, text in zip(axes, "zx", ("vertical error [mm]", "horizontal error [mm]"), strict=True):
+    for ax, axis, text in zip(axes[:2], "zx", ("vertical error [mm]", "horizontal error [mm]"), strict=True):
         ax.plot(
             time, 1e3 * table[f"model_{axis}_m"].values, color=MODEL, label="finite-element model", **THIN
         )
         _dots(ax, time, 1e3 * table[f"measured_{axis}_m"].values, size=2.2)
         ax.set_ylabel(text)
+    for axis, text, colour in (("z", "vertical", MODEL), ("x", "horizontal", SINE)):
+        _remainder(axes[-1], table, f"measured_{axis}_m", f"model_{axis}_m", text, colour)
     axes[-1].set(xlabel="time [s]", xlim=(0, time[-1]))
     _legend(axes[0])
+    _legend(axes[-1])
     return figure
 
 
 def tangential(table: Table) -> Figure:
-    """Draw Figure 10: tangential error over the run, at the start, and around a later reversal."""
+    """Draw Figure 10: tangential error of the run, its start, a later turn, and what models leave of it."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, 5.8))
+    figure = Figure(figsize=(WIDTH, 7.6))
     FigureCanvasAgg(figure)
-    axes = figure.subplot_mosaic([["run", "run"], ["start", "later"]], height_ratios=(1.2, 1))
+    axes = figure.subplot_mosaic(
+        [["run", "run"], ["start", "later"], ["left", "left"]], height_ratios=(1.2, 1, 0.9)
+    )
     time = table["time_s"].values
-    for name, ax in axes.items():
+    for name in ("run", "start", "later"):
+        ax = axes[name]
         line: dict[str, Any] = THIN if name == "run" else {"zorder": 3}
         ax.plot(time, 1e3 * table["sine_m"].values, color=SINE, lw=0.6, label="model, pure sine")
         ax.plot(time, 1e3 * table["encoder_m"].values, color=MODEL, label="model, encoder signal", **line)
@@ -130,7 +147,19 @@ def tangential(table: Table) -> Figure:
     turn = float(time[np.argmin(table["sine_m"].values)])  # the arm bends most to the other side
     _enlarge(axes["later"], table, (turn - 4.0, turn + 5.0), "a later turn")
     axes["start"].set_ylabel("tangential error [mm]")
+    for name, text, colour in (("sine", "pure sine", SINE), ("encoder", "encoder signal", MODEL)):
+        _remainder(axes["left"], table, "measured_m", f"{name}_m", text, colour)
+    axes["left"].set(xlabel="time [s]", xlim=(0, time[-1]))
+    _legend(axes["left"])
     return figure
+
+
+def _remainder(ax: Axes, table: Table, measured: str, model: str, text: str, colour: str) -> None:
+    """Draw what a model leaves of a measurement."""
+    left = 1e3 * (table[measured].values - table[model].values)
+    seen = np.isfinite(left)
+    ax.plot(table["time_s"].values[seen], left[seen], color=colour, lw=0.6, label=text)
+    ax.set_ylabel("measured minus\nmodel [mm]")
 
 
 def _enlarge(ax: Axes, table: Table, window: tuple[float, float], title: str) -> None:
@@ -144,7 +173,7 @@ def _enlarge(ax: Axes, table: Table, window: tuple[float, float], title: str) ->
     ax.set(xlim=window, ylim=(low - 0.06 * (high - low), high + 0.06 * (high - low)), title=title)
 
 
-def _three(ax: Axes, table: Table, axis: str, every: int = 1) -> None:
+def _three(ax: Axes, table: Table, axis: str, every: int) -> None:
     time = table["time_s"].values
     ax.plot(
         time, table[f"rigid_{axis}_m"].values, "--", color=RIGID, label="rigid arm at the encoder's angle"

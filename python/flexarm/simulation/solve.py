@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexarm import _core
+from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter
 from flexarm.arrays import Floats, read_only
 from flexarm.assembly import assemble, joint_values
@@ -45,7 +46,7 @@ _DERIVED = (
 
 def solved(run: PreparedRun, report: Report) -> Simulation:
     """Return the run alone."""
-    system, motions = assemble(run.arm, run.kinds, driven=run.drive.rest), run.motions
+    system, motions = _free(run, run.arm), run.motions
     held = _held(run, system)
     equilibrium = _start(run, held, motions)
     if held is not system:
@@ -70,13 +71,13 @@ def differentiated(
     run: PreparedRun, wanted: tuple[Parameter, ...], redrive: Redrive | None, report: Report
 ) -> Simulation:
     """Return the run with the derivatives of its arrays."""
-    system, motions = assemble(run.arm, run.kinds, driven=run.drive.rest), run.motions
+    system, motions = _free(run, run.arm), run.motions
     held = _held(run, system)
     equilibrium = _start(run, held, motions)
-    varied_systems, places = varied(run.arm, wanted, lambda arm: assemble(arm, run.kinds), redrive)
+    varied_systems, places = varied(run.arm, wanted, lambda arm: _free(run, arm), redrive)
     still = varied_systems
     if held is not system:
-        still, _ = varied(run.arm, wanted, lambda arm: assemble(arm, run.prescribed), redrive)
+        still, _ = varied(run.arm, wanted, lambda arm: _with_motors_held(run, arm), redrive)
     initial = _core.static_derivative(held, equilibrium, still, run.options.start)
     require_backlash_derivative(
         run.arm,
@@ -109,11 +110,21 @@ def derived(run: Simulation, derivatives: _core.Transient, count: int, led: int 
     }
 
 
+def _free(run: PreparedRun, arm: Arm) -> _core.System:
+    """Return an arm as it moves in the run."""
+    return assemble(arm, run.kinds, driven=run.drive.rest)
+
+
+def _with_motors_held(run: PreparedRun, arm: Arm) -> _core.System:
+    """Return an arm as it stands before the start, motors held that torques drive."""
+    return assemble(arm, run.prescribed, driven={*run.kinds, *run.drive.rest})
+
+
 def _held(run: PreparedRun, system: _core.System) -> _core.System:
     """Return the arm with its motors held until the start; the same one if none is driven by torque."""
     if run.prescribed == run.kinds:
         return system
-    return assemble(run.arm, run.prescribed, driven={*run.kinds, *run.drive.rest})
+    return _with_motors_held(run, run.arm)
 
 
 def _start(

@@ -110,7 +110,9 @@ class StaticsBatch:
         self.system = assemble(arm, held, points, driven)
         self._following = following_joints(arm, held, driven)
         self.parameters: tuple[Parameter, ...] = parameters(arm, sensitivities)
-        self._beside, self._places = varied(arm, self.parameters, lambda other: assemble(other, held, points))
+        self._beside, self._places = varied(
+            arm, self.parameters, lambda other: assemble(other, held, points, driven)
+        )
 
     def at(
         self,

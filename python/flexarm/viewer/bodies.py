@@ -96,11 +96,7 @@ class Bodies:
     def place(self, joint: Joint) -> tuple[int, Floats, Floats]:
         """Return the bone before a joint, and the joint's frame in it: rotation and position [m]."""
         bone = self.skeleton.bone_of(joint.parent, joint.at == "end")
-        return (
-            -1 if bone is None else bone,
-            np.array(from_rpy(joint.origin.rpy)),
-            np.array(joint.origin.xyz, dtype=float),
-        )
+        return bone, np.array(from_rpy(joint.origin.rpy)), np.array(joint.origin.xyz, dtype=float)
 
     def _link(self, link: Link) -> Iterator[Skin]:
         bones = self.skeleton.along[link.name]
@@ -151,9 +147,24 @@ class Bodies:
             turning = joined(
                 *(rod(x - 2 * half + o, x + 2 * half + o, 0.5 * radius) for o in radius * _across(axis))
             )
+            yield self._stroke(joint)
         yield turning.on(bone, "joints", joint.name, STYLE.joints)
         tip = arrow(x - 3 * half, x + 4 * half, 0.12 * radius)
         yield tip.on(bone, "joints", f"{joint.name} axis", STYLE.axis)
+
+    def _stroke(self, joint: Joint) -> Skin:
+        """Return a rod from a sliding joint's frame to its child, as long as the stroke."""
+        bone, R, x = self.place(joint)
+        child = self.skeleton.bone_of(joint.child)
+        axis = np.asarray(joint.axis, dtype=float)
+        axis /= np.linalg.norm(axis)
+        straight = rod(np.zeros(3), axis, STYLE.stick * self.size)
+        far = straight.corners @ axis > 0.5
+        ends = np.where(far[:, None], straight.corners - axis, straight.corners @ R.T + x)
+        bones = np.where(far, child, bone)
+        return Skin(
+            "joints", f"{joint.name} stroke", bones[:, None], ends[:, None], straight.faces, STYLE.joints
+        )
 
     def _closure(self, closure: Closure) -> Iterator[Skin]:
         bone = self.skeleton.bone_of(closure.a, closure.a_at == "end")
@@ -164,7 +175,7 @@ class Bodies:
         else:
             half = 1.3 * radius * (R @ (np.asarray(closure.axis) / np.linalg.norm(closure.axis)))
             shape = rod(x - half, x + half, radius)
-        yield shape.on(-1 if bone is None else bone, "joints", closure.name, STYLE.joints)
+        yield shape.on(bone, "joints", closure.name, STYLE.joints)
 
     def _beside(self, joint: Joint) -> float:
         """Return the half width of the beams that a joint joins [m]; 0 without any."""

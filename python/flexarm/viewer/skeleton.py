@@ -123,11 +123,11 @@ class Skeleton:
         ]
         return Poses(np.stack(R, axis=1), np.stack(x, axis=1))
 
-    def bone_of(self, place: str, at_end: bool = False) -> int | None:
-        """Return the bone of a place that a joint names; None for the base."""
+    def bone_of(self, place: str, at_end: bool = False) -> int:
+        """Return the bone of a place that a joint names; -1 for the base."""
         link = link_of(place)
         if link == "base":
-            return None
+            return -1
         interface = place.partition(":")[2]
         bones = self.along[link]
         if interface:

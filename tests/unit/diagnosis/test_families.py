@@ -11,11 +11,18 @@ from tests.helpers.soft_arms import JOINTS, poses_of, soft_arm
 import flexarm
 from flexarm import Arm
 from flexarm.arm.prior import Prior
+from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.family import EffectFamily, family_of
 from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
+from flexarm.diagnosis.moves.families import without_idle_places
+from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.problem import Problem
 from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.joint_compliance import JointCompliance
+from flexarm.effects.joint_tilt_compliance import JointTiltCompliance
 
 STIFFNESS = dict(zip(JOINTS, (2.0e4, 2.4e4, 4.3e4, 1.9e4, 3.4e4, 3.9e4, 2.1e4), strict=True))
 PRIOR = Prior(1e2, 1e6, 1e4, "log", "N m/rad", "test")
@@ -189,3 +196,27 @@ def test_zeros_of_all_encoders_are_one_family():
     for estimate in effect.parameters[1:]:
         value = zeros[estimate.name.removesuffix(".offset")]
         assert abs(estimate.value - value) < 4 * estimate.std
+
+
+def test_places_leave_each_of_two_families():
+    """Of five joints four are soft about their axes and all tilt: one place leaves the first family.
+
+    Fits of a smaller first family make another object of the second one, of which all places are kept.
+    """
+    names = JOINTS[:5]
+    tilts = [JointTiltCompliance(at=joint, stiffness=6e4) for joint in names]
+    problem = Problem(
+        soft_arm(5), {"poses": poses_of([*springs("j1", "j2", "j4", "j5"), *tilts], 2, 60, 5)}, jobs=1
+    )
+    estimator = Estimator.nominal(problem, nuisance_model(problem))
+    found = candidates(problem, estimator.nuisance.arm)
+    both = [
+        family_of([c for c in found if c.name == kind.name and c.at in names][:5], problem.arm, 1.0, 2.0)
+        for kind in (JointCompliance, JointTiltCompliance)
+    ]
+    null = estimator.fit(())
+    fit = estimator.trial(both, null)
+    assert [len(member.members) for member in fit.members] == [5, 5]
+    fewer, _ = without_idle_places(Criteria(problem, null), fit, estimator)
+    assert {member.name for member in fewer.members} == {"joint_compliance", "joint_tilt_compliance"}
+    assert len(fewer.spots) == sum(len(member.spots) for member in fewer.members) < 10

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from planted import run_of
 
+from flexarm.budget import limited
 from flexarm.diagnosis import selection as module
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
@@ -84,6 +85,7 @@ def search(monkeypatch):
     monkeypatch.setattr(module, "FORWARD", {"singles": singles})
     monkeypatch.setattr(module, "SETS", {"pairs": sets(2), "triples": sets(3)})
     monkeypatch.setattr(module, "ELSEWHERE", {"spring_swap": spring_swap})
+    monkeypatch.setattr(module, "SHAPES", {})
     monkeypatch.setattr(Criteria, "adequate", lambda *_: False)
     monkeypatch.setattr(module, "best_of", lambda about, fits, *_: (min(fits, key=lambda f: f.cost), about))
     monkeypatch.setattr(Criteria, "leaves_gap", lambda self, one: one.cost > 30)
@@ -114,6 +116,30 @@ def test_a_pair_that_leaves_a_gap_is_tried_with_the_other_springs(search, monkey
     monkeypatch.delitem(COST, "ab")
     monkeypatch.setitem(ELSEWHERE, "cd", elsewhere)
     best, _ = forward(search)
+    assert best.name == chosen
+
+
+@pytest.mark.parametrize("seconds, chosen", [(None, "cd"), (5.0, "a")], ids=["time left", "time over"])
+def test_a_set_that_time_left_unfinished_does_not_replace_a_better_model(
+    search, monkeypatch, seconds, chosen
+):
+    """It is accepted as more plausible, though its evidence is less; only fits at rest may be so judged."""
+    now = [0.0]
+
+    def pairs(state, best, *_):
+        now[0] = 10.0
+        return [fit("cd")]
+
+    monkeypatch.setattr("flexarm.budget.monotonic", lambda: now[0])
+    monkeypatch.setattr(module, "SETS", {"pairs": pairs})
+    monkeypatch.setitem(LINEAR, 1, ["a"])
+    monkeypatch.setitem(COST, "cd", 90)
+    monkeypatch.delitem(COST, "ab")
+    monkeypatch.delitem(COST, "ac")
+    monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: new.name in ("a", "cd"))
+    monkeypatch.setattr(module, "log_bayes_factor", lambda new, old, problem: old.cost - new.cost)
+    with limited(seconds):
+        best, _ = forward(search)
     assert best.name == chosen
 
 

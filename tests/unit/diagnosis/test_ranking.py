@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from flexarm.budget import limited
 from flexarm.diagnosis import alternatives as rivals
 from flexarm.diagnosis import cross_validation as left_out
 from flexarm.diagnosis import ranking
@@ -68,6 +69,15 @@ def test_what_foretells_as_well_is_told_by_evidence():
     gap = Made("backlash", cost=50.0, press_rms=6.0, evidence=3.0)
     tilt = Made("base_tilt", cost=51.0, press_rms=6.1, evidence=9.0)
     assert ranked(gap, tilt) == ["base_tilt", "backlash"]
+
+
+def test_when_time_is_over_evidence_ranks():
+    """Fits that have not come to rest foretell badly, and strain values: here e^24 worse than the other."""
+    family = Made("joint_tilt_compliance", cost=30.0, press_rms=8.0, evidence=900.0, odd=19.0)
+    single = Made("joint_compliance", cost=60.0, press_rms=3.0, evidence=400.0)
+    assert ranked(family, single)[0] == "joint_compliance"
+    with limited(1e-9):
+        assert ranked(family, single)[0] == "joint_tilt_compliance"
 
 
 def test_absurd_values_must_foretell_far_better():

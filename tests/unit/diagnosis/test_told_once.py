@@ -164,3 +164,14 @@ def test_intervals_and_columns_say_what_they_are():
 )
 def test_a_gap_has_one_unit_unless_a_thousandth_is_left(sizes, said):
     assert _change(PooledGap(*sizes, None, None), "m") == said
+
+
+@pytest.mark.parametrize(("sigmas", "first"), [(-3.6, True), (2.4, False)])
+def test_a_nominal_value_beyond_three_sigmas_is_said_first(sigmas, first):
+    """The modulus is stated within 1 %: 70 GPa that becomes 67.5 GPa is no refinement in silence."""
+    found = diagnoses.of_effects()
+    old = found.refined[0]
+    moved = replace(old, value=old.nominal * (1 + 0.01 * sigmas), std=1e-3 * old.nominal)
+    text = verdict_sentence(replace(found, refined=(moved,)))
+    assert text.startswith("A nominal value moved far beyond what is stated: links.rod.mat") is first
+    assert (f"({sigmas:+.1f} stated sigma); it was stated wrongly" in text) is first

@@ -3,20 +3,22 @@
 ///
 /// Time stepping solves r(H, v, v̇, λ) = 0 and Φ(H) = 0 at the end of a step. Its accelerations of constrained
 /// nodes are differences of positions, with errors of first order after every jump of a drive's acceleration
-/// or jerk; they decay by the spectral radius, and with α = 0 not at all. So do the multipliers λ. At the
-/// same positions and velocities w and λ̃ are those of the equations of motion and the second derivative of Φ,
+/// or jerk; they decay by the spectral radius, and with α = 0 not at all. So do the multipliers λ, and both
+/// take up what Newton's iteration leaves of r. At the same positions and velocities w and λ̃ are those of
+/// the equations of motion and the second derivative of Φ,
 ///
-///     M w + Φ_qᵀ λ̃ = M v̇ + Φ_qᵀ λ,   Φ_q w + γ(H, v) = 0                                            (1)
+///     r(H, v, w, λ̃) = 0,   Φ_q w + γ(H, v) = 0                                                       (1)
 ///
 /// of the order of positions and velocities, and without memory: with c = Φ_q v̇ + γ
 ///
-///     A (w − v̇, λ̃ − λ) = −(0, c),   A = [M  Φ_qᵀ; Φ_q  0]                                            (2)
+///     A (w − v̇, λ̃ − λ) = −(r, c),   A = [M  Φ_qᵀ; Φ_q  0]                                            (2)
 ///
 /// Internal forces are those of the positions and stay as they are. Derivatives by a parameter follow from
-/// the difference of (2) in its two models. `TransientOptions::consistent_forces` leaves it out.
+/// the difference of (2) in its two models, with the derivative of r as zero.
+/// `TransientOptions::consistent_forces` leaves it out.
 ///
 /// One factorisation A₀ serves (2) while the arm moves. Where solvers/tangent_changes.hpp does not follow
-/// every turned joint, the solution is refined [Golub2013],
+/// every turned joint, r is more than rounding, and the solution is refined [Golub2013],
 ///
 ///     x ← x + A₀⁻¹ (b − A x)                                                                         (3)
 ///
@@ -41,9 +43,10 @@ class ConsistentForcesIn {
   explicit ConsistentForcesIn(const assembly::SystemIn<D>& system);
 
   /// The state with w and λ̃ of (1); `state` itself where they are v̇ and λ. The result lasts until the next
-  /// call.
+  /// call. @param loads of the step; null: r is taken as zero, as it is where every joint is followed
   /// @throws NotConverged if the matrix of (2) is singular.
-  const assembly::StateIn<D>& of(const assembly::StateIn<D>& state);
+  const assembly::StateIn<D>& of(const assembly::StateIn<D>& state,
+                                 const assembly::LoadsIn<D>* loads = nullptr);
 
   /// (w − v̇, (λ̃ − λ)/s) of the last call.
   const VectorXd& change() const { return change_; }
@@ -78,7 +81,8 @@ class ConsistentForceSlopesIn {
   ConsistentForceSlopesIn(const assembly::SystemIn<D>& system, const std::vector<VariationIn<D>>& variations);
 
   /// Makes state() and derivative() of a state of the time stepping and its derivative.
-  void find(const assembly::StateIn<D>& state, const StateDerivative& derivative);
+  void find(const assembly::StateIn<D>& state, const assembly::LoadsIn<D>& loads,
+            const StateDerivative& derivative);
 
   const assembly::StateIn<D>& state() const { return *state_; }
   const StateDerivative& derivative() const { return derivative_; }

@@ -47,7 +47,9 @@ def without_idle_places(criteria: Criteria, best: Fit, about: Estimator) -> tupl
     probable for each place that leaves.
     """
     found = best
-    for family in (m for m in best.members if isinstance(m, EffectFamily)):
+    for spots in [m.spots for m in best.members if isinstance(m, EffectFamily)]:
+        [family] = [m for m in found.members if m.spots == spots]  # fits make others of all members
+        assert isinstance(family, EffectFamily)
         found = _thinned(criteria, found, family, about)
     return found, about if found is best else about_or_here(found, about)
 

@@ -8,6 +8,7 @@ from flexarm.diagnosis.moves.confounding import confounding
 from flexarm.diagnosis.moves.families import families
 from flexarm.diagnosis.moves.proposals import pairs, singles, triples
 from flexarm.diagnosis.moves.search_state import Move
+from flexarm.diagnosis.moves.shapes import shapes
 from flexarm.diagnosis.moves.springs import spring_swap, twin_spring
 
 FORWARD: Mapping[str, Move] = {
@@ -28,3 +29,5 @@ SETS: Mapping[str, Move] = {"pairs": pairs, "triples": triples}
 """They compete with a single effect, which is the model that they get."""
 ELSEWHERE: Mapping[str, Move] = {"spring_swap": spring_swap}
 """They change the best model."""
+SHAPES: Mapping[str, Move] = {"shapes": shapes}
+"""They free the shape of one of its laws."""
