@@ -37,13 +37,13 @@ constexpr double part_of_way = 0.7;
 constexpr double most_growth = 0.25;
 constexpr Index cheap_check = 160;
 
-Panel<const double> panel(const Eigen::Ref<const MatrixXd>& A) { return {A.data(), A.outerStride()}; }
+ConstPanel panel(const Eigen::Ref<const MatrixXd>& A) { return {A.data(), A.outerStride()}; }
 
 /// Aᵀ B by the loaded BLAS.
 MatrixXd inner_products(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<const MatrixXd>& B) {
   MatrixXd C = MatrixXd::Zero(A.cols(), B.cols());
   add_product(Transposed::yes, Transposed::no, static_cast<int>(A.cols()), static_cast<int>(B.cols()),
-              static_cast<int>(A.rows()), 1.0, panel(A), panel(B), Panel<double>{C.data(), C.rows()});
+              static_cast<int>(A.rows()), 1, panel(A), panel(B), {C.data(), C.rows()});
   return C;
 }
 
@@ -51,7 +51,7 @@ MatrixXd inner_products(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<co
 void add(double factor, const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<const MatrixXd>& B,
          MatrixXd& C) {
   add_product(Transposed::no, Transposed::no, static_cast<int>(A.rows()), static_cast<int>(B.cols()),
-              static_cast<int>(A.cols()), factor, panel(A), panel(B), Panel<double>{C.data(), C.rows()});
+              static_cast<int>(A.cols()), factor, panel(A), panel(B), {C.data(), C.rows()});
 }
 
 /// Vectors with their products with M.
@@ -104,27 +104,21 @@ class Basis {
   }
 
  private:
-  /// By Cholesky factors of VᵀMV, twice [Yamamoto2015]; no rows where the columns are nearly dependent.
+  /// By Cholesky factors of VᵀMV, twice [Yamamoto2015]; no rows, and nothing done, where the columns are
+  /// nearly dependent or short.
   static MatrixXd orthonormalise(Block& block, const VectorXd& shortest) {
     auto& [V, MV] = block;
-    const VectorXd lengths = block.lengths();
+    const VectorXd least = shortest.cwiseMax(nearly_dependent * block.lengths());
     const int n = static_cast<int>(V.cols());
     MatrixXd B = MatrixXd::Identity(n, n);
-    const Block before = block;
     for (int pass = 0; pass < 2; ++pass) {
       const MatrixXd G = inner_products(V, MV);
       const Eigen::LLT<MatrixXd> llt(0.5 * (G + G.transpose()));
       const MatrixXd L = llt.matrixL();
-      const bool independent = pass > 0 || (L.diagonal().array() > nearly_dependent * lengths.array()).all();
-      if (llt.info() != Eigen::Success || !independent ||
-          (pass == 0 && (L.diagonal().array() <= shortest.array()).any())) {
-        block = before;
-        return MatrixXd(0, n);
-      }
-      const Panel<const double> lower{L.data(), n};
+      const bool independent = llt.info() == Eigen::Success && (L.diagonal().array() > least.array()).all();
+      if (pass == 0 && !independent) return MatrixXd(0, n);
       for (MatrixXd* X : {&V, &MV})
-        solve_right(Transposed::yes, static_cast<int>(X->rows()), n, lower,
-                    Panel<double>{X->data(), X->rows()});
+        solve_right(Transposed::yes, static_cast<int>(X->rows()), n, {L.data(), n}, {X->data(), X->rows()});
       B = L.transpose() * B;
     }
     return B;

@@ -24,7 +24,7 @@ double seconds() {
 
 struct CholeskyFactor::Backend {
   Supernodes nodes;
-  std::unique_ptr<const SupernodalFactor<double>> L;
+  std::unique_ptr<const SupernodalFactor> L;
 };
 
 CholeskyFactor::CholeskyFactor(const LowerTriangle& A) : backend_(std::make_unique<Backend>()) {
@@ -32,7 +32,7 @@ CholeskyFactor::CholeskyFactor(const LowerTriangle& A) : backend_(std::make_uniq
   Supernodes& nodes = backend_->nodes;
   nodes = supernodes(A);
   const double ordered = seconds();
-  backend_->L = std::make_unique<SupernodalFactor<double>>(A, nodes);
+  backend_->L = std::make_unique<SupernodalFactor>(A, nodes);
   const Pivots& pivots = backend_->L->pivots();
   if (!(pivots.worst > smallest_pivot))
     throw NotPositiveDefinite(

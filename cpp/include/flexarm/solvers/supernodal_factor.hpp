@@ -9,7 +9,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdlib>
 #include <memory>
+#include <vector>
 
 #include "flexarm/solvers/supernodes.hpp"
 
@@ -21,10 +23,10 @@ struct Pivots {
   Eigen::Index column = 0;  ///< of A
 };
 
-template <class Scalar>
 class SupernodalFactor {
  public:
-  /// Ends early, with a worst pivot of zero or less, where a pivot is not positive.
+  /// Ends early, with a worst pivot of zero, less or not a number, where a pivot is not positive. Refers to
+  /// `nodes`.
   SupernodalFactor(const LowerTriangle& A, const Supernodes& nodes);
 
   const Pivots& pivots() const { return pivots_; }
@@ -35,13 +37,15 @@ class SupernodalFactor {
  private:
   class Fronts;
   struct Free {
-    void operator()(Scalar* p) const;
+    void operator()(double* p) const { std::free(p); }
   };
+  using Memory = std::unique_ptr<double[], Free>;
+
   void scatter(const LowerTriangle& A);
 
   const Supernodes& nodes_;
   std::vector<std::ptrdiff_t> start_;  // of each supernode's columns, diagonal block on top
-  std::unique_ptr<Scalar[], Free> L_;
+  Memory L_;
   Pivots pivots_;
 };
 
