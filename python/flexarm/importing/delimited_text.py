@@ -47,30 +47,21 @@ _UNITS = {unit.lower() for units in FACTORS.values() for unit in units} | {
 
 @dataclass(frozen=True)
 class Layout:
-    """How a file is written.
-
-    Attributes
-    ----------
-    encoding, separator, decimal, comment : str
-        As `Dialect` has them.
-    first : int
-        Line of the first row, counted from 0.
-    names : tuple of str
-        Names of the columns; empty where the file has none.
-    units : tuple of str
-        Their units, where a line gives them.
-    whole : tuple of (bool or None)
-        True for columns of whole numbers in the sample, False for others of numbers, None for the rest.
-    """
+    """How a file is written."""
 
     encoding: str
     separator: str
     decimal: str
     comment: str
+    """As `Dialect` has them."""
     first: int
+    """Line of the first row, counted from 0."""
     names: tuple[str, ...]
+    """Names of the columns; empty where the file has none."""
     units: tuple[str, ...] = ()
+    """Their units, where a line gives them."""
     whole: tuple[bool | None, ...] = ()
+    """True for columns of whole numbers in the sample, False for others of numbers, None for the rest."""
 
 
 def layout(path: Path, dialect: Dialect) -> Layout:

@@ -77,28 +77,19 @@ Mark = Annotated[str, StringConstraints(min_length=1, max_length=1)]
 
 
 class Dialect(Table):
-    """How a text file is written, where that cannot be seen from its first lines.
-
-    Parameters
-    ----------
-    separator, decimal : str, optional
-        Characters between cells and before decimals; a blank stands for any number of blanks and tabs.
-    encoding : str, optional
-        Name of the encoding, such as "cp1252".
-    header_rows : int, optional
-        Lines before the first row; the last of them, or the one above a line of units, names the columns.
-    comment : str, optional
-        What lines begin with that are skipped; default `#`.
-    columns : list of str, optional
-        Names of the columns, in place of those that the file gives.
-    """
+    """How a text file is written, where that cannot be seen from its first lines."""
 
     separator: Mark | None = None
     decimal: Literal[".", ","] | None = None
+    """Characters between cells and before decimals; a blank stands for any number of blanks and tabs."""
     encoding: str | None = None
+    """Name of the encoding, such as "cp1252"."""
     header_rows: Annotated[int, Strict(), Field(ge=0)] | None = None
+    """Lines before the first row; the last of them, or the one above a line of units, names the columns."""
     comment: str | None = Field(None, min_length=1)
+    """What lines begin with that are skipped; default `#`."""
     columns: tuple[str, ...] = ()
+    """Names of the columns, in place of those that the file gives."""
 
 
 class SignalMap(Measurement):
