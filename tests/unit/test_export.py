@@ -118,7 +118,7 @@ def test_urdf_gets_friction_and_what_it_has_no_word_for(files):
 
 @pytest.mark.parametrize("newline", ["\n", "\r\n"])
 def test_all_else_of_a_robot_file_stays_as_it_stands(files, newline):
-    """A difference of both files shows what was written: lines of the joints, indented as their neighbours."""
+    """A difference of both files shows lines of joints alone, indented as their neighbours."""
     arm = Arm.from_toml(files / "arm.toml")
     text = """<?xml version="1.0" encoding="latin-1"?>
 <!-- licence: own -->
