@@ -20,8 +20,8 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.problem import Problem
+from flexarm.missing_law.basis import TimeBasis
 from flexarm.missing_law.policy import LawPolicy
-from flexarm.missing_law.windup import TimeBasis
 
 BASE = "base"
 """Place of the rotations."""

@@ -27,9 +27,10 @@ from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import Problem
 from flexarm.drive.doubts import slides
 from flexarm.missing_law.base import BASE, base_responses
+from flexarm.missing_law.basis import TimeBasis
 from flexarm.missing_law.gaussian import GaussianData, GaussianModel, matern_root
 from flexarm.missing_law.policy import LawPolicy
-from flexarm.missing_law.windup import TimeBasis, WindupResponse
+from flexarm.missing_law.windup import WindupResponse
 
 
 @dataclass(frozen=True, eq=False)

@@ -75,7 +75,7 @@ def _runs(
     latent: Latent, law: Law, runs: SimulationCache, name: str, number: int, policy: LawPolicy
 ) -> tuple[Any, Any]:
     """Return the runs of a record without and with a law."""
-    from flexarm.missing_law.windup import TimeBasis
+    from flexarm.missing_law.basis import TimeBasis
 
     assert latent.response is not None
     arm, joint = latent.response.arm, latent.at
