@@ -38,6 +38,11 @@ class PoseSequence(StateSnapshots):
 
     sensitivities: Sensitivities | None = None
 
+    @property
+    def joint_torque(self) -> Floats:
+        """Torques at the joints [N m], as of a `Simulation`."""
+        return self.motor_torque
+
 
 def sequence(arm: Arm, found: Sequence[StaticSolution]) -> PoseSequence:
     """Return the equilibria as one sequence."""

@@ -27,6 +27,7 @@ from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.prediction import gaps_with_law
 from flexarm.missing_law.refit import FittedLaw, fitted_law
 from flexarm.missing_law.states import joint_states
+from flexarm.missing_law.windup import driven_joints
 
 STATELESS = ("time", "none")
 """Kinds that are no function of a state."""
@@ -68,10 +69,18 @@ class MissingLaws:
         The most probable first.
     added : AddedLaw or None
         The first of them that is a table of the model and foretells what was held out.
+    why : str
+        Why none was sought; empty if they were.
     """
 
     curves: tuple[LawCurve, ...] = ()
     added: AddedLaw | None = None
+    why: str = ""
+
+    @property
+    def has_state(self) -> bool:
+        """Return True if a curve is a function of a state."""
+        return any(each.kind not in STATELESS for each in self.curves)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,12 +104,13 @@ def missing_laws(
 ) -> MissingLaws:
     """Return the laws that explain what a fitted model leaves, the most probable first.
 
-    The first model that a function of a state completes is taken, or the last one.
+    The first model to which a law is added is taken, else the first one that a function of a state completes,
+    or the last one.
 
     Parameters
     ----------
     estimator : Estimator
-        Records of motions along drives, of others nothing is inferred; nuisance parameters.
+        Records of motions along drives or of poses, of others nothing is inferred; nuisance parameters.
     fits : sequence of Fit
         Models that leave a gap, the simplest first.
     check : LawCheck
@@ -114,20 +124,35 @@ def missing_laws(
         Empty if no latent motion is more likely than none by `policy.evidence`.
     """
     policy = policy or LawPolicy()
-    found: list[_Told] = []
+    if why := not_inferred(estimator.problem, fits[0].nuisance.arm):
+        return MissingLaws(why=why)
+    tried: list[MissingLaws] = []
     for fit in fits:
         found = _About(estimator, fit, check, policy).laws()
-        if any(each.curve.kind not in STATELESS for each in found):
-            break
-    fitted = (each for each in found if each.added is not None)
-    added = next((each.added for each in fitted if check.accepts(each.curve.held_out, policy)), None)
-    return MissingLaws(tuple(each.curve for each in found), added)
+        fitted = (each for each in found if each.added is not None)
+        added = next((each.added for each in fitted if check.accepts(each.curve.held_out, policy)), None)
+        tried.append(MissingLaws(tuple(each.curve for each in found), added))
+        if added is not None:
+            return tried[-1]
+    return next((each for each in tried if each.has_state), tried[-1])
 
 
-def replaced_effects(laws: MissingLaws, best: Fit) -> tuple[str, ...]:
-    """Return a remark if the updated model has a law in place of effects that explain a part of the gap."""
+def not_inferred(problem: Problem, arm: Arm) -> str:
+    """Return why nothing is inferred from records; empty if something is."""
+    from flexarm.comparison.free_vibration import rings_freely
+
+    for name, record in problem.records.items():
+        if record.kind == "motion" and rings_freely(record):
+            return f"no missing law was sought: {name} is a free vibration, which no motor's angle drives"
+        if not driven_joints(problem, arm, name):
+            return f"no missing law was sought: {name} turns no joint by the angle of its motor"
+    return ""
+
+
+def law_remarks(laws: MissingLaws, best: Fit) -> tuple[str, ...]:
+    """Return why no law was sought, or that one replaces effects that explain a part of the gap."""
     if laws.added is None:
-        return ()
+        return (laws.why,) if laws.why else ()
     left = [f"{name} at {at}" for name, at in best.places if (name, at) not in laws.added.fitted.fit.places]
     law = laws.added.fitted.law
     said = f"the updated model has the law of {law.at} in place of {', '.join(left)}"
@@ -149,8 +174,6 @@ class _About:
 
     def laws(self) -> list[_Told]:
         """Return the laws of the places that explain alike."""
-        if not self._applies():
-            return []
         found = []
         for latent in latent_motions(self.problem, self.fit, self.policy):
             found.append(latent)
@@ -170,17 +193,6 @@ class _About:
             laws += self._of_place(latent, share)
         laws.sort(key=lambda each: each.curve.kind in STATELESS)
         return laws[: self.policy.most_laws]
-
-    def _applies(self) -> bool:
-        """Return True if all records are motions along angles of motors."""
-        from flexarm.comparison.free_vibration import rings_freely
-
-        problem = self.problem
-        if any(record.kind != "motion" or rings_freely(record) for record in problem.records.values()):
-            return False
-        arm = self.fit.nuisance.arm
-        drives = (problem.simulations.drive(name, arm) for name in problem.records)
-        return all(joint.side == "motor" for drive in drives for joint in drive.joints.values())
 
     def _of_place(self, latent: Latent, probability: float) -> list[_Told]:
         """Return the laws of a place: the best state's, and a torque that acts as its windup does."""

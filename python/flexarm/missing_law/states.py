@@ -12,6 +12,7 @@ from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.policy import LawPolicy
 
 if TYPE_CHECKING:
+    from flexarm.comparison.pose_sequence import PoseSequence
     from flexarm.simulation import Simulation
 
 STATES = ("torque", "angle", "rate", "motor_angle")
@@ -27,9 +28,9 @@ class States:
     record : ndarray of int, shape (m,)
         Number of the record.
     time : ndarray, shape (m,)
-        Instants [s].
+        Instants [s], or numbers of poses.
     values : dict of str to ndarray, shape (m,)
-        Each state.
+        Each state; poses have no rate.
     """
 
     record: np.ndarray
@@ -42,14 +43,18 @@ class States:
         return np.asarray(self.values["rate"] >= 0)
 
 
-def states_of(run: Simulation, joint: str, time: Floats, gear_ratio: float | None) -> dict[str, Floats]:
+def states_of(
+    run: Simulation | PoseSequence, joint: str, time: Floats, gear_ratio: float | None
+) -> dict[str, Floats]:
     """Return the states of a joint at instants."""
     k = [each.name for each in run.arm.moving_joints].index(joint)
 
     def at(values: Floats) -> Floats:
         return np.interp(time, run.time, values[:, k])
 
-    found = {"torque": at(run.joint_torque), "angle": at(run.joint_angle), "rate": at(run.joint_rate)}
+    found = {"torque": at(run.joint_torque), "angle": at(run.joint_angle)}
+    if run.joint_rate.any():
+        found["rate"] = at(run.joint_rate)
     if gear_ratio is not None:
         turn = at(run.drive_angle) * gear_ratio
         step = np.abs(np.diff(turn))
