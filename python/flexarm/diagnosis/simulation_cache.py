@@ -13,7 +13,7 @@ from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import end_of_simulation, require_known_drive
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
-from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses
+from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses, with_turned
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive, JointDrive
 from flexarm.drive.lead_in import jerked
@@ -113,17 +113,8 @@ class SimulationCache:
     def turned(self, name: str, arm: Arm, joint: str, angles: Floats) -> SimulatedRecord:
         """Return poses beside their record with a joint's motor turned further in each, by `angles` [rad]."""
         record = self.records[name]
-        number = pose_numbers(record)
-        drives = {
-            each: record.signals[each].replace(
-                values=record.signals[each].values + angles[number[each].astype(int), None]
-            )
-            for each in record.drive
-            if record.signals[each].joint == joint
-        }
         self.made += 1
-        there = record.replace(signals={**record.signals, **drives})
-        return _of_poses(record, there, record.applied_to(arm))
+        return _of_poses(record, with_turned(record, joint, angles), record.applied_to(arm))
 
     def _along(self, drive: Drive, name: str, arm: Arm) -> Any:
         """Return the simulation along a drive."""

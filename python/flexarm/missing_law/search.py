@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from flexarm.law_curve import LawCurve, LawKind
 from flexarm.missing_law.base import BASE
 from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.curves import as_torque, curve_in_time, curve_of_fit, curve_of_law, stiffness_of
-from flexarm.missing_law.latent import Latent, latent_motions
+from flexarm.missing_law.latent import Latent, latent_motions, noise_scale
 from flexarm.missing_law.law import Law, LawSearch
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.prediction import gaps_with_law
@@ -104,8 +105,8 @@ def missing_laws(
 ) -> MissingLaws:
     """Return the laws that explain what a fitted model leaves, the most probable first.
 
-    The first model to which a law is added is taken, else the first one that a function of a state completes,
-    or the last one.
+    The first model to which a law is added is taken, else the most likely one that a function of a state
+    completes, or the last one.
 
     Parameters
     ----------
@@ -127,14 +128,18 @@ def missing_laws(
     if why := not_inferred(estimator.problem, fits[0].nuisance.arm):
         return MissingLaws(why=why)
     tried: list[MissingLaws] = []
+    evidence: list[float] = []
     for fit in fits:
-        found = _About(estimator, fit, check, policy).laws()
+        about = _About(estimator, fit, check, policy)
+        found = about.laws()
         fitted = (each for each in found if each.added is not None)
         added = next((each.added for each in fitted if check.accepts(each.curve.held_out, policy)), None)
         tried.append(MissingLaws(tuple(each.curve for each in found), added))
         if added is not None:
             return tried[-1]
-    return next((each for each in tried if each.has_state), tried[-1])
+        evidence.append(about.evidence)
+    likely = sorted(range(len(tried)), key=lambda k: -evidence[k])
+    return next((tried[k] for k in likely if tried[k].has_state), tried[-1])
 
 
 def not_inferred(problem: Problem, arm: Arm) -> str:
@@ -172,14 +177,26 @@ class _About:
     def problem(self) -> Problem:
         return self.estimator.problem
 
-    def laws(self) -> list[_Told]:
-        """Return the laws of the places that explain alike."""
+    @cached_property
+    def latents(self) -> list[Latent]:
+        """Latent motions of all places that the time allows."""
         found = []
         for latent in latent_motions(self.problem, self.fit, self.policy):
             found.append(latent)
             if not allows("all places of a missing law were tried"):
                 break
-        known = [each for each in found if each.gain > self.policy.evidence]
+        return found
+
+    @property
+    def evidence(self) -> float:
+        """Log evidence of the likeliest latent motion; effects' parameters cost as in BIC [Schwarz1978]."""
+        scale = float(np.sum(np.log(noise_scale(self.problem, self.fit))))
+        cost = 0.5 * len(self.fit.z) * float(np.log(len(self.problem))) + scale
+        return max((each.model.log_evidence for each in self.latents), default=-np.inf) - cost
+
+    def laws(self) -> list[_Told]:
+        """Return the laws of the places that explain alike."""
+        known = [each for each in self.latents if each.gain > self.policy.evidence]
         if not known:
             return []
         thresholds = self.problem.policy
@@ -202,7 +219,9 @@ class _About:
             says = f"the {latent.quantity} of {latent.at} explains the gap; it is no part of the model"
             return [_Told(replace(in_time, kind="time" if slow else "none", says=says))]
         search = LawSearch(latent, joint_states(latent, self.policy), self.problem, self.fit, self.policy)
-        best = search.best()[0]
+        best = next(iter(search.best()), None)
+        if best is None:
+            return [_Told(replace(in_time, kind="none", says=f"no state of {latent.at} changes"))]
         in_blocks = latent.model.predictive(search.blocks)
         share = search.share(best)
         foretells = best.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from flexarm.comparison.pose_sequence import PoseSequence
     from flexarm.simulation import Simulation
 
-STATES = ("torque", "angle", "rate", "motor_angle")
-"""Names of the states; the motor's angle is that within a turn."""
+ARRAYS = {"torque": "joint_torque", "angle": "joint_angle", "rate": "joint_rate"}
+"""Arrays of a run that states are read from, by name; one more is the motor's angle within a turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class States:
     time : ndarray, shape (m,)
         Instants [s], or numbers of poses.
     values : dict of str to ndarray, shape (m,)
-        Each state; poses have no rate.
+        Each state that changes; poses have no rate.
     """
 
     record: np.ndarray
@@ -52,9 +52,7 @@ def states_of(
     def at(values: Floats) -> Floats:
         return np.interp(time, run.time, values[:, k])
 
-    found = {"torque": at(run.joint_torque), "angle": at(run.joint_angle)}
-    if run.joint_rate.any():
-        found["rate"] = at(run.joint_rate)
+    found = {state: at(getattr(run, array)) for state, array in ARRAYS.items()}
     if gear_ratio is not None:
         turn = at(run.drive_angle) * gear_ratio
         step = np.abs(np.diff(turn))
@@ -70,16 +68,21 @@ def joint_states(latent: Latent, policy: LawPolicy) -> States:
     joint = response.arm.joint(latent.at)
     parts = response.parts(latent.mean)
     found: dict[str, list[Floats]] = {}
+    greatest = dict.fromkeys(ARRAYS, 0.0)
     times = [basis.fine(policy) for basis in response.bases.values()]
     for (name, basis), time in zip(response.bases.items(), times, strict=True):
         run = response.run(name, parts[name]).simulation
         followed = states_of(run, latent.at, basis.places, joint.gear_ratio)
+        for key, array in ARRAYS.items():
+            greatest[key] = max(greatest[key], float(np.abs(getattr(run, array)).max()))
         for key, values in states_of(run, latent.at, time, joint.gear_ratio).items():
             if key in followed:
                 found.setdefault(key, []).append(values)
     count = len(response.bases)
+    joined = {key: np.concatenate(each) for key, each in found.items() if len(each) == count}
+    least = {key: policy.least_range * value for key, value in greatest.items()}
     return States(
         np.repeat(np.arange(count), [len(time) for time in times]),
         np.concatenate(times),
-        {key: np.concatenate(each) for key, each in found.items() if len(each) == count},
+        {key: each for key, each in joined.items() if np.ptp(each) > least.get(key, 0.0)},
     )

@@ -142,11 +142,12 @@ class WindupResponse:
 
 
 def driven_joints(problem: Problem, arm: Arm, name: str) -> set[str]:
-    """Return the joints that a record turns by the angle of their motor."""
+    """Return the joints whose motor a record turns, in poses also those that stand still."""
     record = problem.records[name]
     if record.kind == "static":
         drives = (record.signals[each] for each in record.drive)
-        return {each.joint for each in drives if each.joint and each.side != "output"}
+        known = {each.joint for each in drives if each.side == "output"}
+        return {each.name for each in arm.moving_joints} - known
     joints = problem.simulations.drive(name, arm).joints
     return {joint for joint, drive in joints.items() if drive.side == "motor"}
 
