@@ -30,7 +30,7 @@ class States:
     time : ndarray, shape (m,)
         Instants [s], or numbers of poses.
     values : dict of str to ndarray, shape (m,)
-        Each state that changes; poses have no rate.
+        Each state that changes; poses have no rate, joints that no drive turns the torque alone.
     """
 
     record: np.ndarray
@@ -69,10 +69,13 @@ def joint_states(latent: Latent, policy: LawPolicy) -> States:
     parts = response.parts(latent.mean)
     found: dict[str, list[Floats]] = {}
     greatest = dict.fromkeys(ARRAYS, 0.0)
+    drive: list[Floats] = []
+    k = [each.name for each in response.arm.moving_joints].index(latent.at)
     times = [basis.fine(policy) for basis in response.bases.values()]
     for (name, basis), time in zip(response.bases.items(), times, strict=True):
         run = response.run(name, parts[name]).simulation
         followed = states_of(run, latent.at, basis.places, joint.gear_ratio)
+        drive.append(run.drive_angle[:, k])
         for key, array in ARRAYS.items():
             greatest[key] = max(greatest[key], float(np.abs(getattr(run, array)).max()))
         for key, values in states_of(run, latent.at, time, joint.gear_ratio).items():
@@ -81,6 +84,8 @@ def joint_states(latent: Latent, policy: LawPolicy) -> States:
     count = len(response.bases)
     joined = {key: np.concatenate(each) for key, each in found.items() if len(each) == count}
     least = {key: policy.least_range * value for key, value in greatest.items()}
+    if np.ptp(np.concatenate(drive)) <= least["angle"]:  # the link's angle is the windup itself
+        joined = {key: each for key, each in joined.items() if key == "torque"}
     return States(
         np.repeat(np.arange(count), [len(time) for time in times]),
         np.concatenate(times),
