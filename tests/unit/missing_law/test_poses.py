@@ -11,12 +11,16 @@ from arms import arm, compliance, hinge, point, rigid
 from numpy.typing import NDArray
 
 import flexarm
+from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.verification import Bench
 from flexarm.missing_law.check import LawCheck
+from flexarm.missing_law.latent import latent_motions
+from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.search import MissingLaws, missing_laws, not_inferred
+from flexarm.missing_law.states import joint_states
 from flexarm.record import Record, Signal
 
 Floats = NDArray[np.float64]
@@ -121,6 +125,22 @@ def test_a_law_of_poses_is_the_hidden_one_and_closes_the_held_out_gap(of):
 
 def test_poses_without_a_hidden_law_have_none():
     assert found("nothing").curves == ()
+
+
+def test_a_joint_that_stands_still_has_no_law_over_its_angle():
+    """Its link's angle is the windup itself, which would be one radian per radian."""
+    one = record(LAWS["torque"], 60, 1)
+    shoulder = one.signals["shoulder"]
+    still = shoulder.replace(values=np.full_like(shoulder.values, 0.3))
+    elbow = one.replace(signals={**one.signals, "shoulder": still})
+    seen = Problem(nominal(), {"a": elbow}, jobs=1).simulations.beside("a", nominal())
+    tip = one.signals["tip"]
+    loads = np.random.default_rng(0).normal(0, 1e-3, tip.values.shape)
+    moved = tip.replace(values=seen.predicted(tip, stated_placement(elbow)) + loads)
+    problem = Problem(nominal(), {"a": elbow.replace(signals={**elbow.signals, "tip": moved})}, jobs=1)
+    fit = Estimator.nominal(problem, nuisance_model(problem)).fit(())
+    latent = next(each for each in latent_motions(problem, fit, LawPolicy()) if each.at == "shoulder")
+    assert set(joint_states(latent, LawPolicy()).values) == {"torque"}
 
 
 def test_a_record_that_turns_no_motor_is_told():
