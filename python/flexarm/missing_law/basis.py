@@ -22,19 +22,13 @@ DEGREE = 3
 
 @dataclass(frozen=True, eq=False)
 class TimeBasis:
-    """Cubic B-splines over the time of a record.
-
-    Attributes
-    ----------
-    knots : ndarray, shape (m + 4,)
-        With their ends repeated [s].
-    of, of_unit : str
-        What the coefficients follow.
-    """
+    """Cubic B-splines over the time of a record."""
 
     knots: Floats
+    """With their ends repeated [s], shape (m + 4,)."""
     of: ClassVar[str] = "time"
     of_unit: ClassVar[str] = "s"
+    """What the coefficients follow."""
 
     @classmethod
     def over(cls, start: float, end: float, policy: LawPolicy) -> TimeBasis:
@@ -83,17 +77,10 @@ class TimeBasis:
 
 @dataclass(frozen=True)
 class PoseBasis:
-    """A number for each pose of a static record; poses know nothing of one another.
-
-    Attributes
-    ----------
-    count : int
-        Number m of poses.
-    of, of_unit : str
-        What the coefficients follow.
-    """
+    """A number for each pose of a static record; poses know nothing of one another."""
 
     count: int
+    """Number m of poses."""
     of: ClassVar[str] = "pose"
     of_unit: ClassVar[str] = "1"
 

@@ -36,18 +36,12 @@ STATELESS = ("time", "none")
 
 @dataclass(frozen=True, eq=False)
 class AddedLaw:
-    """A law that the model gains.
-
-    Attributes
-    ----------
-    fitted : FittedLaw
-        With all that was fitted along.
-    arm : Arm
-        The nominal model with it.
-    """
+    """A law that the model gains."""
 
     fitted: FittedLaw
+    """With all that was fitted along."""
     arm: Arm
+    """The nominal model with it."""
 
     @property
     def members(self) -> tuple[Candidate, ...]:
@@ -62,21 +56,14 @@ class AddedLaw:
 
 @dataclass(frozen=True, eq=False)
 class MissingLaws:
-    """Missing laws.
-
-    Attributes
-    ----------
-    curves : tuple of LawCurve
-        The most probable first.
-    added : AddedLaw or None
-        The first of them that is a table of the model and foretells what was held out.
-    why : str
-        Why none was sought; empty if they were.
-    """
+    """Missing laws."""
 
     curves: tuple[LawCurve, ...] = ()
+    """The most probable first."""
     added: AddedLaw | None = None
+    """The first of them that is a table of the model and foretells what was held out."""
     why: str = ""
+    """Why none was sought; empty if they were."""
 
     @property
     def has_state(self) -> bool:
@@ -105,24 +92,10 @@ def missing_laws(
 ) -> MissingLaws:
     """Return the laws that explain what a fitted model leaves, the most probable first.
 
-    The first model to which a law is added is taken, else the most likely one that a function of a state
-    completes, or the last one.
-
-    Parameters
-    ----------
-    estimator : Estimator
-        Records of motions along drives or of poses, of others nothing is inferred; nuisance parameters.
-    fits : sequence of Fit
-        Models that leave a gap, the simplest first.
-    check : LawCheck
-        What laws are checked with.
-    policy : LawPolicy, optional
-        Settings.
-
-    Returns
-    -------
-    MissingLaws
-        Empty if no latent motion is more likely than none by `policy.evidence`.
+    Of `fits`, models that leave a gap, the simplest first, the first to which a law is added is taken, else the
+    most likely one that a function of a state completes, or the last one. Records must be motions along drives
+    or poses; of others nothing is inferred. The result is empty if no latent motion is more likely than none by
+    `policy.evidence`.
     """
     policy = policy or LawPolicy()
     if why := not_inferred(estimator.problem, fits[0].nuisance.arm):

@@ -21,21 +21,14 @@ ARRAYS = {"torque": "joint_torque", "angle": "joint_angle", "rate": "joint_rate"
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """States of a joint along its runs.
-
-    Attributes
-    ----------
-    record : ndarray of int, shape (m,)
-        Number of the record.
-    time : ndarray, shape (m,)
-        Instants [s], or numbers of poses.
-    values : dict of str to ndarray, shape (m,)
-        Each state that changes; poses have no rate, joints that no drive turns the torque alone.
-    """
+    """States of a joint along its runs."""
 
     record: np.ndarray
+    """Number of the record, shape (m,)."""
     time: Floats
+    """Instants [s] or numbers of poses, shape (m,)."""
     values: dict[str, Floats]
+    """Each state that changes, shape (m,); poses have no rate, joints that no drive turns the torque alone."""
 
     @property
     def rising(self) -> np.ndarray:

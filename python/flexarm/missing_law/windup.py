@@ -66,23 +66,16 @@ def added(drive: JointDrive, extra: PPoly) -> JointDrive:
 
 @dataclass(frozen=True, eq=False)
 class WindupResponse:
-    """Eq. (2) of a joint in all records.
-
-    Attributes
-    ----------
-    problem, arm, joint
-        Whose; the model is that of the diagnosis.
-    bases : dict of str to Basis
-        By record; coefficients of all records follow one another.
-    jacobian : ndarray, shape (n, m)
-        Derivatives of the residual by all coefficients.
-    """
+    """Eq. (2) of a joint in all records."""
 
     problem: Problem
     arm: Arm
     joint: str
+    """Whose; the model is that of the diagnosis."""
     bases: Mapping[str, Basis]
+    """By record; coefficients of all records follow one another."""
     jacobian: Floats
+    """Derivatives of the residual by all coefficients, shape (n, m)."""
 
     @classmethod
     def of(cls, problem: Problem, arm: Arm, joint: str, policy: LawPolicy) -> WindupResponse | None:
