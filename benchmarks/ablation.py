@@ -114,6 +114,11 @@ def diagnosed(spec: Spec, changes: dict, cases: Path, kept: Path) -> None:
     kept.write_text(json.dumps(answer) + "\n")
 
 
+def acted_without(answer: dict, moves: list[str]) -> set[str]:
+    """Return the moves that acted in a search and are none of those that are left on."""
+    return set(answer["acted"]) & set(MOVES) - set(moves)
+
+
 def answer_of(name: str, changes: dict, spec: Spec, out: Path, timeout: float) -> dict | None:
     """Return the answer to a case by a policy, None if it fails.
 
@@ -122,7 +127,7 @@ def answer_of(name: str, changes: dict, spec: Spec, out: Path, timeout: float) -
     kept, default = (out / each.replace(" ", "-") / f"{spec.name}.json" for each in (name, DEFAULT[0]))
     if not kept.exists() and "moves" in changes and default.exists():
         answer = json.loads(default.read_text())
-        if set(answer["acted"]) <= set(changes["moves"]):
+        if not acted_without(answer, changes["moves"]):
             return answer
     if not kept.exists():
         process = get_context("spawn").Process(target=diagnosed, args=(spec, changes, out / "cases", kept))
@@ -149,7 +154,7 @@ def table(found: dict[str, list[dict | None]], changed: dict[str, dict]) -> str:
             continue
         [(field, value)] = changed[name].items()
         pairs = [(a, b) for a, b in zip(answers, found["default"], strict=True) if a and b]
-        acted = [(a, b) for a, b in pairs if field != "moves" or not set(b["acted"]) <= set(value)]
+        acted = [(a, b) for a, b in pairs if field != "moves" or acted_without(b, value)]
         verdicts, names = (sum(a[key] != b[key] for a, b in acted) for key in ("verdict", "names"))
         right = " -> ".join(str(sum(pair[k]["right"] for pair in pairs)) for k in (1, 0))
         cpu = " -> ".join(f"{median(pair[k]['cpu'] for pair in acted):.0f}" for k in (1, 0)) if acted else ""

@@ -11,13 +11,13 @@ from ablation import ACTED, DEFAULT, PROPOSING, Recorded, answer_of, table, vari
 
 from flexarm.diagnosis.policy import MOVES, SelectionPolicy
 
-NOTHING = {"verdict": "adequate", "names": [], "right": False, "cpu": 4.0, "acted": ["pairs"]}
+NOTHING = {"verdict": "adequate", "names": [], "right": False, "cpu": 4.0, "acted": ["pairs", "singles"]}
 SPRING = {
     "verdict": "effects",
     "names": [["joint_compliance", "hinge"]],
     "right": True,
     "cpu": 9.0,
-    "acted": ["pairs", "swap"],
+    "acted": ["pairs", "singles", "swap"],
 }
 
 
