@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import textwrap
 from math import exp
 from typing import TYPE_CHECKING
 
 from flexarm.comparison.comparison import frame_words
 from flexarm.named_effects import Estimate
 from flexarm.report.gap_tables import gap_tables
-from flexarm.report.summary import WIDTH
+from flexarm.report.sentences import ROWS
+from flexarm.report.summary import wrapped
 from flexarm.wording import effect_words, interval, listed, number, with_unit
 
 if TYPE_CHECKING:
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from flexarm.calibration.result import Calibration
 
 COLUMNS = ("rms before", "rms after", "noise", "max before", "max after")
-MOST_PAIRS = 12
-"""Correlated pairs that are listed; calibration.json has all."""
 
 
 def headline(found: Calibration) -> str:
@@ -73,18 +71,18 @@ def summary(found: Calibration) -> str:
     """Return all that matters on one screen."""
     known = [each for each in found.parameters if each.determined]
     left = [each.name for each in found.parameters if not each.determined]
-    pairs = found.confounded[:MOST_PAIRS]
+    pairs = found.confounded[:ROWS]
     parts = [
-        [headline(found), *_wrapped(fit_sentence(found))],
-        [line for family in found.families for line in _wrapped(family_sentence(family), "", "  ")],
+        [headline(found), *wrapped(fit_sentence(found))],
+        [line for family in found.families for line in wrapped(family_sentence(family), "", "  ")],
         ["determined by the data, with 90 % intervals, and the share of the prior variance removed"]
         * bool(known)
         + _table([row(each) for each in known]),
-        _wrapped(f"left near what was known before: {listed(left)}", "", "  ") if left else [],
+        wrapped(f"left near what was known before: {listed(left)}", "", "  ") if left else [],
         ["correlated"] * bool(pairs) + [f"  {pair_sentence(pair)}" for pair in pairs],
         [frame_words(each.name, (list(each.xyz), list(each.rpy))) for each in found.frames],
         _gaps(found),
-        [line for remark in found.remarks for line in _wrapped(f"note: {remark}", "", "  ")],
+        [line for remark in found.remarks for line in wrapped(f"note: {remark}", "", "  ")],
     ]
     return "\n\n".join("\n".join(part) for part in parts if part)
 
@@ -108,14 +106,3 @@ def _gaps(found: Calibration) -> list[str]:
         for label, (_, cells) in zip(labels, table.rows, strict=True):
             lines.append(f"{label:<{wide}}" + "".join(f"{cell:>12}" for cell in cells))
     return lines
-
-
-def _wrapped(text: str, indent: str = "", then: str = "") -> list[str]:
-    return textwrap.wrap(
-        text,
-        WIDTH,
-        initial_indent=indent,
-        subsequent_indent=then,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )

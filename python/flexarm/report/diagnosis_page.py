@@ -15,6 +15,7 @@ from flexarm.report.gap_tables import gap_tables
 from flexarm.report.law_figures import law_rows
 from flexarm.report.sentences import (
     FITS_TOO,
+    ROWS,
     foretold_sentence,
     headline,
     hold_out_sentence,
@@ -23,7 +24,13 @@ from flexarm.report.sentences import (
     stated_sentence,
     verdict_sentence,
 )
-from flexarm.report.statistics_tables import channel_rows, correlation_rows, motion_rows, unseen_sentence
+from flexarm.report.statistics_tables import (
+    channel_rows,
+    correlation_rows,
+    minus,
+    motion_rows,
+    unseen_sentence,
+)
 from flexarm.report.template import filled
 from flexarm.tables import toml_text
 from flexarm.wording import interval, number, place_words, probability, scale, signed, with_unit
@@ -34,8 +41,6 @@ if TYPE_CHECKING:
     from flexarm.report.files import Drawing
 
 Row = dict[str, Any]
-MOST_REJECTED = 12
-"""Candidates listed; the file report.json has all."""
 
 
 def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -> str:
@@ -160,7 +165,7 @@ def effect_law(name: str) -> str:
 
 
 def _parameter(estimate: Estimate) -> Row:
-    value, low, high, unit = (_minus(text) for text in interval(estimate))
+    value, low, high, unit = (minus(text) for text in interval(estimate))
     return {"name": estimate.name, "value": value, "low": low, "high": high, "unit": unit or "–"}
 
 
@@ -173,14 +178,10 @@ def _refined_rows(d: Diagnosis) -> Iterator[Row]:
         yield {
             "parameter": refined.parameter,
             "nominal": with_unit(refined.nominal, refined.unit, 4),
-            "moved": f"{_minus(moved)} {unit}".rstrip(),
+            "moved": f"{minus(moved)} {unit}".rstrip(),
             "std": f"{std} {unit}".rstrip(),
-            "pull": "–" if each.pull is None else _minus(signed(each.pull, 1)),
+            "pull": "–" if each.pull is None else minus(signed(each.pull, 1)),
         }
-
-
-def _minus(text: str) -> str:
-    return text.replace("-", "−")
 
 
 def _nuisance_rows(d: Diagnosis) -> Iterator[Row]:
@@ -191,11 +192,11 @@ def _nuisance_rows(d: Diagnosis) -> Iterator[Row]:
 
 def _rejected_rows(d: Diagnosis) -> list[Row]:
     """Return the nearest of the candidates that were not taken."""
-    best = sorted(d.rejected, key=lambda each: -each.log_bayes_factor)[:MOST_REJECTED]
+    best = sorted(d.rejected, key=lambda each: -each.log_bayes_factor)[:ROWS]
     return [
         {
             "title": place_words(each.name, each.at),
-            "evidence": _minus(f"{each.log_bayes_factor:,.1f}"),
+            "evidence": minus(f"{each.log_bayes_factor:,.1f}"),
             "why": each.why,
         }
         for each in best

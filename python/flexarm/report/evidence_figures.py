@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.named_effects import NORMAL_90
 from flexarm.report.gap_curves import AFTER, along, draw, label, sides, worst
+from flexarm.report.sentences import ALIKE
 from flexarm.report.sheets import BOTTOM, LEFT, TOP, legend_below, margin_for, sheet, write_beside
 from flexarm.report.state_figures import draw_of_effect
 from flexarm.wording import place_words, scale
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
     from flexarm.named_effects import NamedEffect, Place
 
 RIVAL, OTHER, DRIFTS = "#56B4E9", "#bbbbbb", "#a02c00"
-REACH = log(20.0)
+REACH = log(ALIKE)
 """Evidence that a candidate may lack and still be an alternative."""
 MOST_CANDIDATES = 14
 TITLED = BOTTOM + TOP
@@ -97,7 +99,7 @@ def draw_constancy(ax: Axes, d: Diagnosis, entry: Any) -> None:
         ax.axvspan(factor * joint.low90, factor * joint.high90, color=RIVAL, alpha=0.35, lw=0)
         ax.axvline(factor * joint.value, color=AFTER, lw=0.8)
     for i, (value, std) in enumerate(values.values()):
-        spread = 1.645 * factor * std if np.isfinite(std) else 0.0
+        spread = NORMAL_90 * factor * std if np.isfinite(std) else 0.0
         colour = "black" if entry.get("constant", True) else DRIFTS
         ax.errorbar([factor * value], [i], xerr=[spread], fmt="o", ms=4, capsize=3, color=colour)
     moves = "" if entry.get("constant", True) else f": moves with {entry.get('moves_with') or 'the record'}"

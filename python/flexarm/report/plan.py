@@ -18,6 +18,7 @@ import numpy as np
 
 from flexarm.report.diagnosis_page import effect_law
 from flexarm.report.files import Drawing, drawn, write_files
+from flexarm.report.sentences import LISTED, ROWS
 from flexarm.report.sheets import margin_for, sheet
 from flexarm.report.template import filled
 from flexarm.wording import listed, number, place_words, with_unit
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 
 FILE, PAGE = "plan.json", "plan.html"
 """Names of the files beside the figures."""
-MOST_RIVALS = 3
-"""Effects that one could be taken for which are written out; the rest is counted."""
 ROW = 0.19
 """Height of an effect in a figure [in]."""
 
@@ -111,7 +110,7 @@ def value_words(effect: PlannedEffect) -> str:
 def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
     for i, each in enumerate(plan.effects):
         rivals = [place_words(*plan.effects[j].place) for j in plan.rivals(i)] if each.seen else []
-        more = len(rivals) - MOST_RIVALS if len(rivals) > MOST_RIVALS + 1 else 0
+        more = len(rivals) - LISTED if len(rivals) > LISTED + 1 else 0
         yield {
             "title": place_words(*each.place),
             "what": effect_law(each.name),
@@ -122,7 +121,7 @@ def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
             "hidden": each.hidden,
             "rivals": rivals,
             "more": more,
-            "shown": ", ".join(rivals[:MOST_RIVALS]) + f" and {more} more" if more else ", ".join(rivals),
+            "shown": ", ".join(rivals[:LISTED]) + f" and {more} more" if more else ", ".join(rivals),
         }
 
 
@@ -273,10 +272,6 @@ def _finite(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-MOST_TIES = 12
-"""Tied pairs that are printed; the file plan.json has all."""
-
-
 def headline(plan: Plan) -> str:
     """Return the plan in a sentence."""
     seen = [e for e in plan.effects if e.seen]
@@ -336,8 +331,8 @@ def _addition_lines(plan: Plan) -> list[str]:
     for words, minutes, count in plan.additions():
         lines.append(f"  {count:4d}  {words} (some {minutes:g} min)")
     lines += ["", "cheapest addition by pair:"]
-    lines += [f"  {_tie_words(tie)}" for tie in plan.ties[:MOST_TIES]]
-    more = len(plan.ties) - MOST_TIES
+    lines += [f"  {_tie_words(tie)}" for tie in plan.ties[:ROWS]]
+    more = len(plan.ties) - ROWS
     return [*lines, f"  and {more} more pairs (plan.json of --out has all)"] if more > 0 else lines
 
 

@@ -22,8 +22,8 @@ HEADLINES = {
 }
 """A verdict in a headline."""
 RESIZED = "An effect of the model has other values than stated"
-LISTED = 3
-"""Most refined values, and signals, that a verdict names; tables have all."""
+LISTED, ROWS = 3, 12
+"""Most values, signals or effects that a sentence names, and rows that a table shows; files have all."""
 FAR = 3.0
 """Stated sigmas beyond which a refined nominal value is said first: one value in 370 by chance."""
 ALIKE = 20.0

@@ -25,7 +25,7 @@ def channel_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
             "signal": f"{each.signal} {axis}" if (each.record, each.signal) in several else each.signal,
             "rows": str(each.rows),
             "chi_square": number(each.chi_square, 2),
-            "autocorrelation": "–" if lag is None else _minus(signed(lag, 2)),
+            "autocorrelation": "–" if lag is None else minus(signed(lag, 2)),
             "discrepancy": number(each.discrepancy, 2) if each.discrepancy > 0 else "none",
             "length": "–" if each.length is None else f"{number(each.length, 2)} s",
         }
@@ -35,14 +35,14 @@ def correlation_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
     """Return a row for each pair of correlated parameters."""
     for each in statistics.correlations:
         one, other = each.parameters
-        yield {"one": one, "other": other, "value": _minus(signed(each.value, 3))}
+        yield {"one": one, "other": other, "value": minus(signed(each.value, 3))}
 
 
 def motion_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
     """Return a row for each driven joint of a record: its range and rate."""
     for each in statistics.motions:
         factor, unit = scale([each.lowest, each.highest], each.unit)
-        low, high = (_minus(number(factor * end, 3)) for end in (each.lowest, each.highest))
+        low, high = (minus(number(factor * end, 3)) for end in (each.lowest, each.highest))
         rate = "–" if each.rms_rate is None else f"{number(each.rms_rate, 3)} {each.unit}/s"
         yield {"record": each.record, "joint": each.joint, "range": f"{low} to {high} {unit}", "rate": rate}
 
@@ -53,5 +53,6 @@ def unseen_sentence(statistics: FitStatistics) -> str:
     return f"These signals and motions could not have shown: {listed(names)}." if names else ""
 
 
-def _minus(text: str) -> str:
+def minus(text: str) -> str:
+    """Return a number with the sign that is as wide as a digit."""
     return text.replace("-", "−")

@@ -31,8 +31,8 @@ def summary(diagnosis: Diagnosis) -> str:
     parts = [
         [
             f"{headline(diagnosis)}  [{diagnosis.verdict}]",
-            *_wrapped(verdict_sentence(diagnosis)),
-            *_wrapped(foretold_sentence(diagnosis)),
+            *wrapped(verdict_sentence(diagnosis)),
+            *wrapped(foretold_sentence(diagnosis)),
         ],
         _laws(diagnosis),
         _effects(diagnosis),
@@ -44,7 +44,8 @@ def summary(diagnosis: Diagnosis) -> str:
     return "\n\n".join("\n".join(part) for part in parts if part)
 
 
-def _wrapped(text: str, indent: str = "", then: str | None = None) -> list[str]:
+def wrapped(text: str, indent: str = "", then: str | None = None) -> list[str]:
+    """Return a text in lines of `WIDTH`."""
     return textwrap.wrap(
         text,
         WIDTH,
@@ -61,7 +62,7 @@ def _laws(diagnosis: Diagnosis) -> list[str]:
     for row in law_rows(diagnosis):
         text = f"missing law, probability {row['probability']}: {row['says']}"
         shrinks = "" if row["held_out"] == "–" else f" Held out: {row['held_out']}."
-        lines += _wrapped(text + shrinks, then="  ")
+        lines += wrapped(text + shrinks, then="  ")
     return lines
 
 
@@ -76,8 +77,8 @@ def _effect(diagnosis: Diagnosis, effect: NamedEffect) -> list[str]:
     title = f"{place_words(effect.name, effect.at)}, probability {probability(effect.probability)}"
     lines = [title, *(_row(each) for each in effect.parameters)]
     if diagnosis.verdict != "unusable":
-        lines += _wrapped(stated_sentence(diagnosis, effect), "  ")
-    lines += _wrapped(effect.evidence, "  ")
+        lines += wrapped(stated_sentence(diagnosis, effect), "  ")
+    lines += wrapped(effect.evidence, "  ")
     for other in effect.alternatives:
         words = place_words(other.name, other.at)
         lines.append(f"  or {words}, probability {probability(other.probability)}")
@@ -99,9 +100,7 @@ def _refined(diagnosis: Diagnosis) -> list[str]:
             pull = "" if each.pull is None else f", {signed(each.pull, 1)} stated sigma"
             lines.append(f"  {each.refined.parameter}: {nominal} {moved} +- {std} {unit}{pull}")
     left = [each.refined.parameter for each in found if not (each.determined or each.changed)]
-    return lines + (
-        _wrapped(f"as they were, not determined: {', '.join(left)}", "  ", "    ") if left else []
-    )
+    return lines + (wrapped(f"as they were, not determined: {', '.join(left)}", "  ", "    ") if left else [])
 
 
 def _nuisances(diagnosis: Diagnosis) -> list[str]:
@@ -128,7 +127,7 @@ def _gaps(diagnosis: Diagnosis) -> list[str]:
         lines.append(f"{head:<{wide}}" + "".join(f"{column:>12}" for column in columns))
         for label, (_, cells) in zip(labels, table.rows, strict=True):
             lines.append(f"{label:<{wide}}" + "".join(f"{cell:>12}" for cell in cells))
-    return [*lines, *_wrapped(hold_out_sentence(diagnosis))] if tables else []
+    return [*lines, *wrapped(hold_out_sentence(diagnosis))] if tables else []
 
 
 def _labelled(diagnosis: Diagnosis, name: str) -> str:
@@ -140,9 +139,9 @@ def _labelled(diagnosis: Diagnosis, name: str) -> str:
 def _remarks(diagnosis: Diagnosis) -> list[str]:
     lines: list[str] = []
     if diagnosis.remainder and diagnosis.verdict != "unexplained":
-        lines += _wrapped(f"remains: {diagnosis.remainder}", "", "  ")
+        lines += wrapped(f"remains: {diagnosis.remainder}", "", "  ")
     for remark in remarks_beside(diagnosis):
-        lines += _wrapped(f"note: {remark}", "", "  ")
+        lines += wrapped(f"note: {remark}", "", "  ")
     if diagnosis.next_experiment:
-        lines += _wrapped(f"measure next: {diagnosis.next_experiment}", "", "  ")
+        lines += wrapped(f"measure next: {diagnosis.next_experiment}", "", "  ")
     return lines

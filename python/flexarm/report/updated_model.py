@@ -12,6 +12,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from flexarm.named_effects import NORMAL_90
 from flexarm.output import write_file
 from flexarm.report.report_file import provenance_of
 from flexarm.report.sentences import rivals_sentence
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 
 WIDTH = 118
 """Of a line of the comment."""
-NORMAL90 = 1.645
-"""Half of a 90 % interval over 1 sigma."""
 
 
 def write_updated(diagnosis: Diagnosis, path: Path, model: Path | None = None) -> None:
@@ -57,7 +56,7 @@ def _head(d: Diagnosis) -> Iterator[str]:
     if changed:
         yield "refined within the stated uncertainty, with 90 % intervals:"
     for each in changed:
-        value, half, unit = each.refined.value, NORMAL90 * each.refined.std, each.refined.unit
+        value, half, unit = each.refined.value, NORMAL_90 * each.refined.std, each.refined.unit
         ends = f", {_plain(value - half)} to {_plain(value + half)}" if isfinite(half) else ""
         change = f"{_plain(each.refined.nominal)} -> {_plain(value)}"
         yield f"  {each.refined.parameter}: {change}{ends} {unit}".rstrip()
