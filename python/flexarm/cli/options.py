@@ -156,12 +156,7 @@ def refuse_step(step: float) -> None:
 def blame(file: Path, record: Path | None = None) -> Iterator[None]:
     """Name the file in errors that the library raises about what it holds.
 
-    Parameters
-    ----------
-    file : Path
-        The model.
-    record : Path, optional
-        Blamed instead where the error stands in a table that only records have.
+    The record is blamed instead where the error stands in a table that only records have.
     """
     try:
         yield

@@ -42,16 +42,7 @@ def is_input(record: Record, signal: Signal) -> bool:
 
 
 def solve_poses(arm: Arm, record: Record, *, sensitivities: Iterable[str] = ()) -> PoseSequence:
-    """Solve the equilibrium of every pose of a static record.
-
-    Parameters
-    ----------
-    arm : Arm
-        The model, with what the record says it carried.
-    record : Record
-        Its poses.
-    sensitivities : iterable of str
-        Keys of parameters of the derivatives, as in `simulate`.
+    """Solve the equilibrium of every pose of a static record, with derivatives as in `simulate`.
 
     Raises
     ------

@@ -34,36 +34,25 @@ from flexarm.missing_law.windup import TimeBasis, WindupResponse
 
 @dataclass(frozen=True, eq=False)
 class Latent:
-    """A latent motion at a place.
-
-    Attributes
-    ----------
-    at, quantity, unit : str
-        Place, and what is missing there.
-    data : GaussianData
-        Residual without the motion, and nuisance parameters.
-    model : GaussianModel
-        Eq. (1) with the motion.
-    length : float
-        l of (1) [s].
-    mean, root : ndarray, shapes (m,) and (m, m)
-        Of c: posterior mean and a root of the covariance.
-    bases : sequence of TimeBasis
-        Splines of the coefficients, one after the other.
-    response : WindupResponse or None
-        Linear response of a joint; None of a sensor.
-    """
+    """A latent motion at a place."""
 
     at: str
     quantity: str
     unit: str
+    """Place, and what is missing there."""
     data: GaussianData
+    """Residual without the motion, and nuisance parameters."""
     model: GaussianModel
+    """Eq. (1) with the motion."""
     length: float
+    """l of (1) [s]."""
     mean: Floats
     root: Floats
+    """Of c: posterior mean and a root of the covariance."""
     bases: Sequence[TimeBasis]
+    """Splines of the coefficients, one after the other."""
     response: WindupResponse | None = None
+    """Linear response of a joint; None of a sensor."""
 
     @property
     def nothing(self) -> float:

@@ -41,40 +41,26 @@ SIGNED = ("rate", "torque")
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A curve or two over a state.
-
-    Attributes
-    ----------
-    kind : {"law", "law with memory", "change"}
-        What tells the curves apart.
-    of : str
-        The state.
-    knots : ndarray, shape (k,)
-        Of the state.
-    mean, root : ndarray, shapes (b k,) and (b k, b k)
-        Posterior mean and a root of the covariance of the curves' values, b curves one after the other.
-    model : GaussianModel
-        Eq. (1).
-    predictive : float
-        Log predictive density of blocks left out.
-    left : float
-        Squared residual that the curve leaves.
-    instant : tuple of float
-        When it changes, and the 90 % interval [s]; empty without one.
-    only : int
-        Number of the record in which it changes; -1: in each.
-    """
+    """A curve or two over a state."""
 
     kind: LawKind
+    """What tells the curves apart: "law", "law with memory", "change"."""
     of: str
     knots: Floats
+    """Of the state, shape (k,)."""
     mean: Floats
     root: Floats
+    """Posterior mean and a root of the covariance of the curves' values, b curves one after the other."""
     model: GaussianModel
+    """Eq. (1)."""
     predictive: float
+    """Log predictive density of blocks left out."""
     left: float
+    """Squared residual that the curve leaves."""
     instant: tuple[float, ...] = ()
+    """When it changes, and the 90 % interval [s]; empty without one."""
     only: int = -1
+    """Number of the record in which it changes; -1: in each."""
 
     def curve(self, which: int) -> tuple[Floats, Floats]:
         """Return mean and covariance of one of the curves, shapes (k,) and (k, k)."""

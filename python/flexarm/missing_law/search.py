@@ -34,18 +34,12 @@ STATELESS = ("time", "none")
 
 @dataclass(frozen=True, eq=False)
 class AddedLaw:
-    """A law that the model gains.
-
-    Attributes
-    ----------
-    fitted : FittedLaw
-        With all that was fitted along.
-    arm : Arm
-        The nominal model with it.
-    """
+    """A law that the model gains."""
 
     fitted: FittedLaw
+    """With all that was fitted along."""
     arm: Arm
+    """The nominal model with it."""
 
     @property
     def members(self) -> tuple[Candidate, ...]:
@@ -60,18 +54,12 @@ class AddedLaw:
 
 @dataclass(frozen=True, eq=False)
 class MissingLaws:
-    """Missing laws.
-
-    Attributes
-    ----------
-    curves : tuple of LawCurve
-        The most probable first.
-    added : AddedLaw or None
-        The first of them that is a table of the model and foretells what was held out.
-    """
+    """Missing laws."""
 
     curves: tuple[LawCurve, ...] = ()
+    """The most probable first."""
     added: AddedLaw | None = None
+    """The first of them that is a table of the model and foretells what was held out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,23 +83,9 @@ def missing_laws(
 ) -> MissingLaws:
     """Return the laws that explain what a fitted model leaves, the most probable first.
 
-    The first model that a function of a state completes is taken, or the last one.
-
-    Parameters
-    ----------
-    estimator : Estimator
-        Records of motions along drives, of others nothing is inferred; nuisance parameters.
-    fits : sequence of Fit
-        Models that leave a gap, the simplest first.
-    check : LawCheck
-        What laws are checked with.
-    policy : LawPolicy, optional
-        Settings.
-
-    Returns
-    -------
-    MissingLaws
-        Empty if no latent motion is more likely than none by `policy.evidence`.
+    Of `fits`, models that leave a gap, the simplest first, the first that a function of a state completes is
+    taken, or the last one. Records must be motions along drives; of others nothing is inferred. The result is
+    empty if no latent motion is more likely than none by `policy.evidence`.
     """
     policy = policy or LawPolicy()
     found: list[_Told] = []

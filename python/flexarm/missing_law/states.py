@@ -20,21 +20,14 @@ STATES = ("torque", "angle", "rate", "motor_angle")
 
 @dataclass(frozen=True, eq=False)
 class States:
-    """States of a joint along its runs.
-
-    Attributes
-    ----------
-    record : ndarray of int, shape (m,)
-        Number of the record.
-    time : ndarray, shape (m,)
-        Instants [s].
-    values : dict of str to ndarray, shape (m,)
-        Each state.
-    """
+    """States of a joint along its runs."""
 
     record: np.ndarray
+    """Number of the record, shape (m,)."""
     time: Floats
+    """Instants [s], shape (m,)."""
     values: dict[str, Floats]
+    """Each state, shape (m,)."""
 
     @property
     def rising(self) -> np.ndarray:

@@ -42,15 +42,10 @@ DEGREE = 3
 
 @dataclass(frozen=True, eq=False)
 class TimeBasis:
-    """Cubic B-splines over the time of a record.
-
-    Attributes
-    ----------
-    knots : ndarray, shape (m + 4,)
-        With their ends repeated [s].
-    """
+    """Cubic B-splines over the time of a record."""
 
     knots: Floats
+    """With their ends repeated [s], shape (m + 4,)."""
 
     @classmethod
     def over(cls, start: float, end: float, policy: LawPolicy) -> TimeBasis:
@@ -120,23 +115,16 @@ def added(drive: JointDrive, extra: PPoly) -> JointDrive:
 
 @dataclass(frozen=True, eq=False)
 class WindupResponse:
-    """Eq. (2) of a joint in all records.
-
-    Attributes
-    ----------
-    problem, arm, joint
-        Whose; the model is that of the diagnosis.
-    bases : dict of str to TimeBasis
-        By record; coefficients of all records follow one another.
-    jacobian : ndarray, shape (n, m)
-        Derivatives of the residual by all coefficients.
-    """
+    """Eq. (2) of a joint in all records."""
 
     problem: Problem
     arm: Arm
     joint: str
+    """Whose; the model is that of the diagnosis."""
     bases: Mapping[str, TimeBasis]
+    """By record; coefficients of all records follow one another."""
     jacobian: Floats
+    """Derivatives of the residual by all coefficients, shape (n, m)."""
 
     @classmethod
     def of(cls, problem: Problem, arm: Arm, joint: str, policy: LawPolicy) -> WindupResponse | None:

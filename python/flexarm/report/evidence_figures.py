@@ -10,7 +10,6 @@ import numpy as np
 
 from flexarm.named_effects import NORMAL_90
 from flexarm.report.gap_curves import AFTER, along, draw, label, sides, worst
-from flexarm.report.sentences import ALIKE
 from flexarm.report.sheets import BOTTOM, LEFT, TOP, legend_below, margin_for, sheet, write_beside
 from flexarm.report.state_figures import draw_of_effect
 from flexarm.wording import place_words, scale
@@ -23,9 +22,8 @@ if TYPE_CHECKING:
     from flexarm.named_effects import NamedEffect, Place
 
 RIVAL, OTHER, DRIFTS = "#56B4E9", "#bbbbbb", "#a02c00"
-REACH = log(ALIKE)
+REACH = log(20.0)
 """Evidence that a candidate may lack and still be an alternative."""
-MOST_CANDIDATES = 14
 TITLED = BOTTOM + TOP
 """Space between rows that have labels and titles of their own [in]."""
 
@@ -35,7 +33,7 @@ def candidates(d: Diagnosis) -> Figure | None:
     rows = _candidate_rows(d)
     if len(rows) < 2:
         return None
-    shown = sorted(rows, key=lambda row: row[1])[:MOST_CANDIDATES]
+    shown = sorted(rows, key=lambda row: row[1])[:14]
     figure, axes = sheet(1, 1, 0.22 * len(shown) + 0.1, left=margin_for([row[0] for row in shown]))
     ax = axes[0, 0]
     bars = ax.barh([row[0] for row in shown], [row[1] for row in shown], color=[row[2] for row in shown])

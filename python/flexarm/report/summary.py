@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from flexarm.comparison.comparison import frame_words
@@ -19,11 +20,9 @@ from flexarm.report.sentences import (
 from flexarm.wording import interval, place_words, probability, signed, with_unit
 
 if TYPE_CHECKING:
+    from flexarm.comparison.before_after import BeforeAfter
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.named_effects import Estimate, NamedEffect
-
-
-WIDTH = 100
 
 
 def summary(diagnosis: Diagnosis) -> str:
@@ -45,10 +44,10 @@ def summary(diagnosis: Diagnosis) -> str:
 
 
 def wrapped(text: str, indent: str = "", then: str | None = None) -> list[str]:
-    """Return a text in lines of `WIDTH`."""
+    """Return the lines of a text, indented as the first one or by `then` from the second on."""
     return textwrap.wrap(
         text,
-        WIDTH,
+        100,
         initial_indent=indent,
         subsequent_indent=indent if then is None else then,
         break_long_words=False,
@@ -67,10 +66,7 @@ def _laws(diagnosis: Diagnosis) -> list[str]:
 
 
 def _effects(diagnosis: Diagnosis) -> list[str]:
-    lines: list[str] = []
-    for effect in diagnosis.effects:
-        lines += _effect(diagnosis, effect)
-    return lines
+    return [line for effect in diagnosis.effects for line in _effect(diagnosis, effect)]
 
 
 def _effect(diagnosis: Diagnosis, effect: NamedEffect) -> list[str]:
@@ -116,24 +112,26 @@ def _nuisances(diagnosis: Diagnosis) -> list[str]:
 
 
 def _gaps(diagnosis: Diagnosis) -> list[str]:
-    """Return a table by record for each signal, and what the records are to one another."""
-    tables = gap_tables(diagnosis)
-    columns = ("rms before", "rms after", "noise", "max before", "max after")
+    """Return a table by record for each signal, and how the held-out data relate to the training."""
+
+    def label(name: str) -> str:
+        return f"{name} (held out)" if name in diagnosis.held_out and "held" not in name else name
+
+    lines = gap_lines(diagnosis, label)
+    return [*lines, *wrapped(hold_out_sentence(diagnosis))] if lines else []
+
+
+def gap_lines(diagnosis: BeforeAfter, label: Callable[[str], str]) -> list[str]:
+    """Return the tables of the gap by signal as lines, each record under its label."""
     lines = []
-    for table in tables:
+    for table in gap_tables(diagnosis):
         head = f"gap of {table.signal} [{table.unit}]"
-        labels = [_labelled(diagnosis, name) for name, _ in table.rows]
+        labels = [f"  {label(name)}" for name, _ in table.rows]
         wide = max(26, *(len(text) + 2 for text in (head, *labels)))
-        lines.append(f"{head:<{wide}}" + "".join(f"{column:>12}" for column in columns))
-        for label, (_, cells) in zip(labels, table.rows, strict=True):
-            lines.append(f"{label:<{wide}}" + "".join(f"{cell:>12}" for cell in cells))
-    return [*lines, *wrapped(hold_out_sentence(diagnosis))] if tables else []
-
-
-def _labelled(diagnosis: Diagnosis, name: str) -> str:
-    """Return a record, and that it was held out where its name does not say so."""
-    says = "held" in name
-    return f"  {name} (held out)" if name in diagnosis.held_out and not says else f"  {name}"
+        columns = ("rms before", "rms after", "noise", "max before", "max after")
+        rows = zip([head, *labels], [columns, *(cells for _, cells in table.rows)], strict=True)
+        lines += [f"{text:<{wide}}" + "".join(f"{cell:>12}" for cell in cells) for text, cells in rows]
+    return lines
 
 
 def _remarks(diagnosis: Diagnosis) -> list[str]:

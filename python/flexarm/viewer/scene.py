@@ -47,22 +47,15 @@ STYLE = Style()
 
 @dataclass(frozen=True)
 class Layer:
-    """What can be shown and hidden together.
-
-    Attributes
-    ----------
-    name, colour : str
-        As the legend has them.
-    text : str
-        What it is, with units and scale.
-    shown : bool
-        At first.
-    """
+    """What can be shown and hidden together."""
 
     name: str
     colour: str
+    """As the legend has them."""
     text: str
+    """What it is, with units and scale."""
     shown: bool = True
+    """At first."""
 
 
 @dataclass(frozen=True)
@@ -103,20 +96,12 @@ class Clip:
 
 @dataclass(frozen=True)
 class Scene:
-    """One page.
-
-    Attributes
-    ----------
-    title : str
-        Name of the arm or part, and what is shown of it.
-    notes : tuple of str
-        Sentences below it, such as the scale of deformations.
-    layers, skins, labels, clips : tuple
-        See there.
-    """
+    """One page."""
 
     title: str
+    """Name of the arm or part, and what is shown of it."""
     notes: tuple[str, ...] = ()
+    """Sentences below it, such as the scale of deformations."""
     layers: tuple[Layer, ...] = ()
     skins: tuple[Skin, ...] = ()
     labels: tuple[Label, ...] = ()

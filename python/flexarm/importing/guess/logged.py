@@ -27,28 +27,19 @@ USUAL_INTERVAL = (1e-5, 2.0)
 
 @dataclass(frozen=True)
 class Stamped:
-    """Stamps of a table as a guess takes them.
-
-    Attributes
-    ----------
-    column : str or int or None
-        As the map names them; None: there are none.
-    unit : str or None
-        Unit for the map; None: the source says it.
-    seconds : ndarray
-        The stamps [s], from the first.
-    start : float
-        The first [s].
-    why, unknown : str
-        The reason; what is not known.
-    """
+    """Stamps of a table as a guess takes them."""
 
     column: str | int | None
+    """As the map names them; None: there are none."""
     unit: str | None
+    """Unit for the map; None: the source says it."""
     seconds: Floats
+    """The stamps [s], from the first."""
     start: float
+    """The first [s]."""
     why: str
     unknown: str = ""
+    """The reason; what is not known."""
 
     @property
     def of_calendar(self) -> bool:
@@ -58,33 +49,19 @@ class Stamped:
 
 @dataclass(frozen=True)
 class Logged:
-    """One column of a log.
-
-    Attributes
-    ----------
-    file : str
-        As the map names it.
-    topic : str or None
-        Its topic.
-    column : str or int
-        As the map names it.
-    values : ndarray
-        Its numbers.
-    time : Stamped
-        Its stamps.
-    meaning : Meaning
-        What it seems to be.
-    where : tuple of (str, str) or None
-        The column that labels rows, and the label of these, such as the name of a point.
-    """
+    """One column of a log."""
 
     file: str
+    """As the map names it."""
     topic: str | None
     column: str | int
+    """As the map names it."""
     values: Floats
     time: Stamped
     meaning: Meaning
+    """What it seems to be."""
     where: tuple[str, str] | None = None
+    """The column that labels rows, and the label of these, such as the name of a point."""
 
     @property
     def kind(self) -> tuple[str, str | None, tuple[str, str] | None]:

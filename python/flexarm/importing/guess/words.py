@@ -45,27 +45,18 @@ VECTORS = ("position", "orientation", "acceleration", "angular_rate", "force")
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a column seems to be.
-
-    Attributes
-    ----------
-    quantity : str
-        Of a record, or `current`, or "" where nothing is known.
-    axis : str
-        One of x, y, z, w; empty for a scalar.
-    stem : str
-        The name without axis and unit, the same for the columns of one vector.
-    unit : str
-        Unit that the name or the file gives; empty if none.
-    why : str
-        The reason, for a person.
-    """
+    """What a column seems to be."""
 
     quantity: str
+    """Of a record, or `current`, or "" where nothing is known."""
     axis: str
+    """One of x, y, z, w; empty for a scalar."""
     stem: str
+    """The name without axis and unit, the same for the columns of one vector."""
     unit: str
+    """Unit that the name or the file gives; empty if none."""
     why: str
+    """The reason, for a person."""
 
 
 def words_of(name: str) -> list[str]:
