@@ -282,7 +282,7 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     ends = bound_sentence(choice.best)
     unexplained = open_gap or bool(ends)
     effects = (
-        *(encoder.named() for encoder in coarse),
+        *(encoder.named(problem.policy.most_certain) for encoder in coarse),
         *named_effects(choice, sizes, drifts, unexplained, problem, coarse=bool(coarse)),
     )
     keep = not unexplained or worth_keeping(choice, problem)
