@@ -92,10 +92,10 @@ def missing_laws(
 ) -> MissingLaws:
     """Return the laws that explain what a fitted model leaves, the most probable first.
 
-    Of `fits`, models that leave a gap, the simplest first, the first to which a law is added is taken, else the
-    most likely one that a function of a state completes, or the last one. Records must be motions along drives
-    or poses; of others nothing is inferred. The result is empty if no latent motion is more likely than none by
-    `policy.evidence`.
+    Of `fits`, models that leave a gap, the simplest first, the first to which a law is added is taken, else
+    the most likely one that a function of a state completes, or the last one. Records must be motions along
+    drives or poses; of others nothing is inferred. The result is empty if no latent motion is more likely
+    than none by `policy.evidence`.
     """
     policy = policy or LawPolicy()
     if why := not_inferred(estimator.problem, fits[0].nuisance.arm):

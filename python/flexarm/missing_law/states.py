@@ -28,7 +28,7 @@ class States:
     time: Floats
     """Instants [s] or numbers of poses, shape (m,)."""
     values: dict[str, Floats]
-    """Each state that changes, shape (m,); poses have no rate, joints that no drive turns the torque alone."""
+    """Each state that changes, shape (m,); poses have no rate, joints that no drive turns only a torque."""
 
     @property
     def rising(self) -> np.ndarray:
