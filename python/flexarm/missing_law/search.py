@@ -30,6 +30,9 @@ from flexarm.missing_law.refit import FittedLaw, fitted_law
 from flexarm.missing_law.states import joint_states
 from flexarm.missing_law.windup import driven_joints
 
+NOTHING = (
+    "no missing law was found: no motion of a joint, of the base or of a sensor is more likely than noise"
+)
 STATELESS = ("time", "none")
 """Kinds that are no function of a state."""
 
@@ -63,7 +66,7 @@ class MissingLaws:
     added: AddedLaw | None = None
     """The first of them that is a table of the model and foretells what was held out."""
     why: str = ""
-    """Why none was sought; empty if they were."""
+    """Why there are none; empty if there are some."""
 
     @property
     def has_state(self) -> bool:
@@ -104,15 +107,26 @@ def missing_laws(
     evidence: list[float] = []
     for fit in fits:
         about = _About(estimator, fit, check, policy)
-        found = about.laws()
+        found = [_as_foretold(each) for each in about.laws()]
         fitted = (each for each in found if each.added is not None)
         added = next((each.added for each in fitted if check.accepts(each.curve.held_out, policy)), None)
         tried.append(MissingLaws(tuple(each.curve for each in found), added))
         if added is not None:
             return tried[-1]
         evidence.append(about.evidence)
+    if not any(each.curves for each in tried):
+        return MissingLaws(why=NOTHING)
     likely = sorted(range(len(tried)), key=lambda k: -evidence[k])
     return next((tried[k] for k in likely if tried[k].has_state), tried[-1])
+
+
+def _as_foretold(told: _Told) -> _Told:
+    """Return a law as none if the gap that was held out grows with it."""
+    gap = told.curve.held_out
+    if gap.before_rms is None or gap.after_rms is None or gap.after_rms <= gap.before_rms:
+        return told
+    says = f"{told.curve.says}, but with it the held-out gap grows"
+    return _Told(replace(told.curve, kind="none", says=says))
 
 
 def not_inferred(problem: Problem, arm: Arm) -> str:

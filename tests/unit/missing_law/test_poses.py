@@ -99,7 +99,12 @@ def record(law: Callable[[Floats, Floats], Floats], count: int, seed: int) -> Re
 @cache
 def found(of: str) -> MissingLaws:
     law = LAWS.get(of, lambda torque, angle: 0 * torque)
-    training, held_out = {"a": record(law, 60, 1), "b": record(law, 60, 2)}, {"c": record(law, 60, 3)}
+    return found_of(law, law)
+
+
+def found_of(law: Callable[..., Floats], other: Callable[..., Floats]) -> MissingLaws:
+    """What is missing of two records, where the one held out has another law."""
+    training, held_out = {"a": record(law, 60, 1), "b": record(law, 60, 2)}, {"c": record(other, 60, 3)}
     problem = Problem(nominal(), training, jobs=1)
     estimator = Estimator.nominal(problem, nuisance_model(problem))
     check = LawCheck(Bench(training, held_out, 2e-3, -0.05, 1), nominal(), nominal(), "tip")
@@ -123,8 +128,18 @@ def test_a_law_of_poses_is_the_hidden_one_and_closes_the_held_out_gap(of):
     assert laws.added.arm.effect("tabulated_law", "shoulder") is not None
 
 
-def test_poses_without_a_hidden_law_have_none():
+def test_poses_without_a_hidden_law_have_none_and_say_so():
     assert found("nothing").curves == ()
+    assert found("nothing").why.startswith("no missing law was found: no motion of a joint")
+
+
+def test_a_law_with_which_the_held_out_gap_grows_is_none():
+    """The records that are held out have the opposite windup."""
+    laws = found_of(LAWS["angle"], lambda torque, angle: -LAWS["angle"](torque, angle))
+    assert laws.added is None
+    shoulder = [each for each in laws.curves if each.at == "shoulder"]
+    assert shoulder and all(each.kind == "none" for each in shoulder)
+    assert all("but with it the held-out gap grows" in each.says for each in shoulder)
 
 
 def test_a_joint_that_stands_still_has_no_law_over_its_angle():
