@@ -16,14 +16,14 @@ from flexarm.missing_law.shapes import closest_shape
 from flexarm.named_effects import NORMAL_90
 from flexarm.wording import with_unit
 
-OF_UNITS = {"torque": "N m", "angle": "rad", "rate": "rad/s", "motor_angle": "rad", "time": "s"}
+OF_UNITS = {"torque": "N m", "angle": "rad", "rate": "rad/s", "motor_angle": "rad"}
 """Units of the states of a revolute joint."""
 HAS = {"windup": "the windup of", "torque": "a torque lost at"}
 """How a sentence begins."""
 
 
 def curve_in_time(latent: Latent, probability: float) -> LawCurve:
-    """Return a latent motion of the first record, against time."""
+    """Return a latent motion of the first record, against time or the number of the pose."""
     basis = latent.bases[0]
     m = len(basis)
     at = basis.at(basis.places)
@@ -32,9 +32,9 @@ def curve_in_time(latent: Latent, probability: float) -> LawCurve:
     return LawCurve(
         latent.at,
         latent.quantity,
-        "time",
+        basis.of,
         latent.unit,
-        OF_UNITS["time"],
+        basis.of_unit,
         x=_numbers(basis.places),
         value=_numbers(value),
         low90=_numbers(value - band),
@@ -42,7 +42,7 @@ def curve_in_time(latent: Latent, probability: float) -> LawCurve:
         kind="time",
         instant_s=None,
         probability=probability,
-        says=f"the {latent.quantity} of {latent.at} is a function of time only",
+        says=f"the {latent.quantity} of {latent.at} is a function of {basis.of} only",
     )
 
 
