@@ -1,4 +1,4 @@
-"""Stamps that are texts: date and time of day in one column or in two side by side."""
+"""Stamps that are texts: date and time of day in one column or in several side by side."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
-from itertools import pairwise
 
 import numpy as np
 
@@ -16,6 +15,8 @@ DATES = ("%m/%d/%Y", "%d/%m/%Y", "%d.%m.%Y", "%Y-%m-%d", "%Y/%m/%d")
 TIMES = ("%H:%M:%S.%f", "%H:%M:%S", "%I:%M:%S.%f %p", "%I:%M:%S %p")
 FORMS = (*(f"{date} {time}" for date in DATES for time in TIMES), *TIMES)
 """Forms of stamps, those with a date first; month before day, as SpatialAnalyzer writes them, goes first."""
+LONGEST = 3
+"""Columns that make a stamp together at most: date, time of day, and half of the day."""
 TRIED = 50
 """Stamps that must have a form, spread over the rows, before all are read."""
 
@@ -33,15 +34,12 @@ class TextStamps:
 
 
 def text_stamps(columns: Sequence[str | int], texts: Sequence[Sequence[str]]) -> TextStamps | None:
-    """Return the first column, or two in a row, whose texts are stamps; None if none are."""
+    """Return the first columns in a row whose texts are stamps together; None if none are."""
+    runs = [(k, n) for n in range(LONGEST, 0, -1) for k in range(len(columns) - n + 1)]  # with its date first
     found = [
-        *(((one,), rows) for one, rows in zip(columns, texts, strict=True)),
-        *(
-            (pair, [f"{a} {b}" for a, b in zip(first, second, strict=True)])
-            for pair, (first, second) in zip(pairwise(columns), pairwise(texts), strict=True)
-        ),
+        (tuple(columns[k : k + n]), [" ".join(row) for row in zip(*texts[k : k + n], strict=True)])
+        for k, n in runs
     ]
-    found.sort(key=lambda each: -len(each[0]))  # a time of day with its date rather than without
     for named, rows in found:
         forms = [form for form in FORMS if _reads(rows, form)]
         if forms:
