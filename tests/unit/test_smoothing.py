@@ -132,7 +132,7 @@ def test_drive_and_two_derivatives_are_continuous():
 
 
 def test_breaks_do_not_ring_a_mode_at_their_own_spacing():
-    """Of exact samples a plain spline leaves an error that rings such a mode, undamped, by more than the noise.
+    """The error of a plain spline through exact samples rings such a mode by more than the noise.
 
     The amplitude at a frequency w is w |integral of e exp(i w t)|, here within a window that ends softly.
     """

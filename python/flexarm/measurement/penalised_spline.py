@@ -4,15 +4,15 @@ A least-squares spline with a break at every Delta errs by a wave of period Delt
 noise of the samples, but it lasts, and rings a lightly damped mode of that frequency. Breaks are therefore
 `FINER` times as dense, and jumps J_k of the third derivative at break k have a penalty,
 
-    sum_i (y_i - s(t_i))^2 + sum_k w_k J_k^2 -> min,    w_k = n_k Delta_k^7 / (PASS^8 delta_k),          (1)
+    sum_i (y_i - s(t_i))^2 + sum_k w_k J_k^2 -> min,    w_k = n_k Delta_k^7 / (PASS^8 delta_k),       (1)
 
-with n_k samples in Delta_k, and delta_k between dense breaks. This is the discrete form of the smoothing spline
-whose penalty is the integral of s''''^2. Of an oscillation at omega it passes
+with n_k samples in Delta_k, and delta_k between dense breaks. This is the discrete form of the smoothing
+spline whose penalty is the integral of s''''^2. Of an oscillation at omega it passes
 
     H(omega) = 1 / (1 + (omega / omega_c)^8),      omega_c = PASS / Delta.                              (2)
 
-A filter adds no frequency to those of the motion. Intervals of few samples, and those that a dwell constrains, are
-not divided and have no penalty.
+A filter adds no frequency to those of the motion. Intervals of few samples, and those that a dwell
+constrains, are not divided and have no penalty.
 
 Units: those of the samples, times in s. Source: [Wahba1990], section 2.1; [Eilers1996].
 """
