@@ -19,18 +19,12 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class Kind:
-    """The kind of an argument.
-
-    Attributes
-    ----------
-    words : str
-        As the message says it after "must be".
-    accepts : callable
-        Returns True for a value of this kind.
-    """
+    """The kind of an argument."""
 
     words: str
+    """As the message says it after "must be"."""
     accepts: Callable[[Any], bool]
+    """Returns True for a value of this kind."""
 
 
 def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:

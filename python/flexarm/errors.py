@@ -29,21 +29,14 @@ def printable(text: str) -> str:
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong.
-
-    Attributes
-    ----------
-    where : str
-        Dotted path with names for indices (`links.rod.section.thickness`), or `line 12, column 3`.
-    what : str
-        What is wrong, the value, what is allowed.
-    line : int or None
-        Line of the file, where it is known and `where` does not say it.
-    """
+    """One thing that is wrong."""
 
     where: str
+    """Dotted path with names for indices (`links.rod.section.thickness`), or `line 12, column 3`."""
     what: str
+    """What is wrong, the value, what is allowed."""
     line: int | None = None
+    """Line of the file, where it is known and `where` does not say it."""
 
     def __str__(self) -> str:
         place = self.where

@@ -14,21 +14,9 @@ if TYPE_CHECKING:
 
 
 def input_files(model: Path, arm: Arm, records: Mapping[str, Record]) -> dict[str, Path]:
-    """Return the model file, its super-elements, and the files of every record.
+    """Return the model file, its super-elements, and the files of every record as `NAME/record.toml`.
 
-    Parameters
-    ----------
-    model : Path
-        The model's file.
-    arm : Arm
-        What was read from it.
-    records : dict of str to Record
-        By name; those that were not read from a directory have no files.
-
-    Returns
-    -------
-    dict of str to Path
-        By file, those of records as `NAME/record.toml`.
+    Records that were not read from a directory have no files.
     """
     files = {model.name: model, **{file.name: file for file in arm.part_files}}
     for name, record in records.items():

@@ -10,67 +10,48 @@ LawKind = Literal["law", "law with memory", "change", "time", "none"]
 
 @dataclass(frozen=True)
 class LawGap:
-    """Gap of the main signal with and without a law, pooled over records [unit of the signal].
-
-    Attributes
-    ----------
-    before_rms, after_rms, noise_rms, before_max, after_max : float or None
-        None where the law foretells nothing.
-    """
+    """Gap of the main signal with and without a law, pooled over records [unit of the signal]."""
 
     before_rms: float | None = None
     after_rms: float | None = None
     noise_rms: float | None = None
     before_max: float | None = None
     after_max: float | None = None
+    """None where the law foretells nothing."""
 
 
 @dataclass(frozen=True)
 class LawCurve:
-    """A missing law.
-
-    Attributes
-    ----------
-    at, quantity : str
-        Place and what is missing there: "windup", "torque", "offset"; of the base "rotation about x", y or z.
-    of : str
-        State that the curve is a function of.
-    unit, of_unit : str
-        Of the curve and of the state.
-    x, value, low90, high90 : tuple of float
-        The curve with its 90 % band. Of a law with memory the branch of rising angles stands first, then
-        that of falling ones, backwards; of a change the curve after the instant.
-    kind : {"law", "law with memory", "change", "time", "none"}
-        What was found.
-    instant_s : float or None
-        When a law changes [s].
-    probability : float
-        Among the laws that are shown.
-    says : str
-        The curve in one sentence.
-    train, held_out : LawGap
-        The gap without and with the law.
-    cloud_x, cloud_value : tuple of float
-        The latent motion against the state, which no curve was assumed for.
-    instant90 : tuple of float
-        90 % interval of the instant [s]; empty without one.
-    """
+    """A missing law."""
 
     at: str
     quantity: str
+    """Place and what is missing there: "windup", "torque", "offset"; of the base "rotation about x", y or
+    z."""
     of: str
+    """State that the curve is a function of."""
     unit: str
     of_unit: str
+    """Of the curve and of the state."""
     x: tuple[float, ...]
     value: tuple[float, ...]
     low90: tuple[float, ...]
     high90: tuple[float, ...]
+    """The curve with its 90 % band. Of a law with memory the branch of rising angles stands first, then that
+    of falling ones, backwards; of a change the curve after the instant."""
     kind: LawKind
+    """What was found: "law", "law with memory", "change", "time", "none"."""
     instant_s: float | None
+    """When a law changes [s]."""
     probability: float
+    """Among the laws that are shown."""
     says: str
+    """The curve in one sentence."""
     train: LawGap = field(default_factory=LawGap)
     held_out: LawGap = field(default_factory=LawGap)
+    """The gap without and with the law."""
     cloud_x: tuple[float, ...] = ()
     cloud_value: tuple[float, ...] = ()
+    """The latent motion against the state, which no curve was assumed for."""
     instant90: tuple[float, ...] = ()
+    """90 % interval of the instant [s]; empty without one."""

@@ -14,69 +14,53 @@ def place_text(at: Place) -> str:
     return at if isinstance(at, str) else ", ".join(at)
 
 
+NORMAL_90 = 1.6448536
+"""Deviations of a normal distribution between which 90 % lie."""
+
+
 @dataclass(frozen=True)
 class Estimate:
-    """A fitted parameter.
-
-    Attributes
-    ----------
-    name : str
-        As `Effect.parameters` spells it, such as "stiffness" or "offset.x".
-    value, std, low90, high90 : float
-        Estimate, 1 sigma, and the 90 % interval [unit].
-    unit : str
-        Of all four.
-    """
+    """A fitted parameter."""
 
     name: str
+    """As `Effect.parameters` spells it, such as "stiffness" or "offset.x"."""
     value: float
     std: float
     low90: float
     high90: float
+    """Estimate, 1 sigma, and the 90 % interval [unit]."""
     unit: str
+    """Of all four."""
+
+    @classmethod
+    def normal(cls, name: str, value: float, std: float, unit: str) -> Estimate:
+        """Return an estimate with the 90 % interval of a normal distribution."""
+        return cls(name, value, std, value - NORMAL_90 * std, value + NORMAL_90 * std, unit)
 
 
 @dataclass(frozen=True)
 class Alternative:
-    """An effect that the data cannot tell from the named one.
-
-    Attributes
-    ----------
-    name, at : str and Place
-        Effect and place.
-    probability : float
-        Among the named effect and its alternatives.
-    """
+    """An effect that the data cannot tell from the named one."""
 
     name: str
     at: Place
     probability: float
+    """Among the named effect and its alternatives."""
 
 
 @dataclass(frozen=True)
 class NamedEffect:
-    """An effect that the diagnosis names.
-
-    Attributes
-    ----------
-    name, at : str and Place
-        Effect and place.
-    probability : float
-        That this is the effect, all alternatives considered.
-    parameters : tuple of Estimate
-        What was fitted.
-    alternatives : tuple of Alternative
-        All others within a Bayes factor of 20.
-    evidence : str
-        One sentence for a person.
-    """
+    """An effect that the diagnosis names."""
 
     name: str
     at: Place
     probability: float
+    """That this is the effect, all alternatives considered."""
     parameters: tuple[Estimate, ...] = ()
     alternatives: tuple[Alternative, ...] = ()
+    """All others within a Bayes factor of 20."""
     evidence: str = ""
+    """One sentence for a person."""
 
     @property
     def places(self) -> tuple[str, ...]:
@@ -120,15 +104,9 @@ class Rejected:
 
 @dataclass(frozen=True)
 class Stage:
-    """A model on the way from the nominal to the repaired one, with its gap by record [the signal's unit].
-
-    Attributes
-    ----------
-    label : str
-        What was added: "nominal", an effect, "nominal values refined".
-    rms : dict of str to float
-        Total rms of the main signal, aligned, by record (the held-out one too).
-    """
+    """A model on the way from the nominal to the repaired one, with its gap by record [the signal's unit]."""
 
     label: str
+    """What was added: "nominal", an effect, "nominal values refined"."""
     rms: Mapping[str, float]
+    """Total rms of the main signal, aligned, by record (the held-out one too)."""

@@ -28,24 +28,16 @@ Variable = tuple[Sequence[str], ArrayLike, Attributes]
 
 @dataclass(frozen=True)
 class Contents:
-    """Contents of a file.
-
-    Attributes
-    ----------
-    variables : dict of str to Variable
-        Numbers or texts over named dimensions.
-    labels : dict of str to list of str
-        Names along a dimension, such as those of the points; kept if a variable has that dimension.
-    attributes : dict
-        Of the whole: texts and numbers.
-    coordinates : dict of str to Variable
-        Numbers along a dimension of the same name, such as the time.
-    """
+    """Contents of a file."""
 
     variables: Mapping[str, Variable]
+    """Numbers or texts over named dimensions."""
     labels: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    """Names along a dimension, such as those of the points; kept if a variable has that dimension."""
     attributes: Attributes = field(default_factory=dict)
+    """Of the whole: texts and numbers."""
     coordinates: Mapping[str, Variable] = field(default_factory=dict)
+    """Numbers along a dimension of the same name, such as the time."""
 
     def dataset(self) -> xr.Dataset:
         """Return the same as an xarray Dataset."""

@@ -95,24 +95,9 @@ def growing_directory(
 ) -> Iterator[Path]:
     """Claim a directory that is filled file by file, and keeps what it has if the block ends with an error.
 
-    Parameters
-    ----------
-    path : str or Path
-        Where the output shall be; it is made with its parents, and removed again if nothing was put there.
-    more : bool
-        Take a directory that holds files.
-    inputs, names : iterable
-        As of `output_directory`.
-
-    Yields
-    ------
-    Path
-        A hidden directory in it, for files that are moved to their places once they are whole.
-
-    Raises
-    ------
-    InvalidFile
-        As `output_directory`.
+    Its parents are made, and removed again if nothing was put there; `more` takes one that holds files.
+    Yields a hidden directory in it, for files that are moved to their places once they are whole. Inputs,
+    names and errors are as of `output_directory`.
     """
     target, made = Path(path), list[Path]()
     with _blamed(target):
@@ -132,19 +117,9 @@ def growing_directory(
 
 @contextmanager
 def output_file(path: str | Path, inputs: Iterable[Path] = ()) -> Iterator[Path]:
-    """Yield a file to write, which becomes `path` if the block ends without an error.
+    """Yield a file in a hidden directory, which becomes `path` if the block ends without an error.
 
-    Parameters
-    ----------
-    path : str or Path
-        Where the output shall be, in a directory that is there; a file of that name is replaced.
-    inputs : iterable of Path
-        Files that are never replaced.
-
-    Yields
-    ------
-    Path
-        A file of the same name in a hidden directory.
+    The directory of `path` is there; a file of that name is replaced, one of the inputs never.
 
     Raises
     ------

@@ -11,30 +11,20 @@ PlaceKind = Literal["joint", "point", "link", "payload"]
 
 @dataclass(frozen=True)
 class Quantity:
-    """One row of the table of quantities.
-
-    Attributes
-    ----------
-    units : tuple of str
-        SI units; the second one is for prismatic joints.
-    places : tuple of str
-        Kinds of place, one of which a signal names.
-    channels : int or None
-        Number of channels; None: one for each of `axes`.
-    has_side : bool
-        True if measured before (motor) or after (output) the reducer.
-    one_axis : bool
-        True if it needs exactly one entry in `axes`.
-    only_static : bool
-        True if it belongs to records of poses only.
-    """
+    """One row of the table of quantities."""
 
     units: tuple[str, ...]
+    """SI units; the second one is for prismatic joints."""
     places: tuple[PlaceKind, ...]
+    """Kinds of place, one of which a signal names."""
     channels: int | None = 1
+    """Number of channels; None: one for each of `axes`."""
     has_side: bool = False
+    """True if measured before (motor) or after (output) the reducer."""
     one_axis: bool = False
+    """True if it needs exactly one entry in `axes`."""
     only_static: bool = False
+    """True if it belongs to records of poses only."""
 
 
 QUANTITIES: dict[str, Quantity] = {

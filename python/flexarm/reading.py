@@ -86,17 +86,7 @@ def any_text(path: str | Path) -> str:
 
 @contextmanager
 def reading(path: str | Path, what: str, where: str = "file") -> Iterator[None]:
-    """Turn errors while a file is parsed into `InvalidFile`.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    what : str
-        What it should be, such as `a NetCDF file`.
-    where : str
-        The place that the message names.
-    """
+    """Turn errors while a file is parsed as `what`, such as "a NetCDF file", to `InvalidFile` at `where`."""
     try:
         yield
     except (InvalidFile, NotConverged):
@@ -114,18 +104,12 @@ def reading(path: str | Path, what: str, where: str = "file") -> Iterator[None]:
 
 @dataclass
 class Includes:
-    """The files that a file includes, and those these include: no circles, and an end.
-
-    Attributes
-    ----------
-    open : list of Path
-        Those being read, each included by the one before it.
-    count : int
-        Those included so far.
-    """
+    """The files that a file includes, and those these include: no circles, and an end."""
 
     open: list[Path] = field(default_factory=list)
+    """Those being read, each included by the one before it."""
     count: int = 0
+    """Those included so far."""
 
     @contextmanager
     def into(self, file: Path, where: str, name: str) -> Iterator[Path]:
@@ -156,16 +140,7 @@ class Includes:
 def room(path: str | Path, where: str, declared: int, size: int | None = None) -> None:
     """Raise InvalidFile if a piece of a file declares more bytes than such a file can hold.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    where : str
-        Name of the piece.
-    declared : int
-        Bytes it says to unfold to.
-    size : int, optional
-        Bytes of the file, asked for if left out.
+    `size` are the bytes of the file, asked for if left out.
     """
     size = Path(path).stat().st_size if size is None else size
     most = max(SMALL, EXPANSION * size)
@@ -228,16 +203,8 @@ def require(
 ) -> None:
     """Raise InvalidFile unless variables are there, as real numbers of the right shape.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    data : Dataset
-        What it holds.
-    axes : dict of str to sequence of str
-        Variable -> what its axes count.
-    sizes : dict of str to int
-        How many there are of it; another axis is as long as the first variable says that has it.
+    `axes` says what the axes of each count, and `sizes` how many there are of it; another axis is as long as
+    the first variable says that has it.
     """
     known: dict[str, int] = dict(sizes)
     for name, counted in axes.items():

@@ -22,13 +22,7 @@ if TYPE_CHECKING:
 
 
 class Result(ABC):
-    """Base of statics, modes and runs: the arm, names, and a file.
-
-    Attributes
-    ----------
-    arm : Arm
-        The model.
-    """
+    """Base of statics, modes and runs: the arm, names, and a file."""
 
     arm: Arm
 
@@ -55,12 +49,7 @@ class Result(ABC):
     def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
         """Write the result as NetCDF, with the model it was made with.
 
-        Parameters
-        ----------
-        path : str or Path
-            The file; one of that name is replaced, unless it is a super-element of the model.
-        inputs : iterable of Path
-            More files that are not replaced.
+        A file of that name is replaced, unless it is an input or a super-element of the model.
 
         Raises
         ------

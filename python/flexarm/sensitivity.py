@@ -122,18 +122,12 @@ def entry_of(arm: Arm, parameter: Parameter) -> Table:
 
 @dataclass(frozen=True)
 class Redrive:
-    """Drive of an arm, given other effects on the sensors of a record and on how joints follow.
-
-    Attributes
-    ----------
-    places : collection of str
-        Signals that drive, their clocks, and joints that follow late.
-    motions : callable
-        Motions of an arm's joints.
-    """
+    """Drive of an arm, given other effects on the sensors of a record and on how joints follow."""
 
     places: Collection[str]
+    """Signals that drive, their clocks, and joints that follow late."""
     motions: Callable[[Arm], Motions]
+    """Motions of an arm's joints."""
 
 
 def varied(
@@ -142,25 +136,9 @@ def varied(
     assembled: Callable[[Arm], _core.System],
     redrive: Redrive | None = None,
 ) -> tuple[list[_core.Varied], list[int]]:
-    """Return the perturbed models of which the core takes derivatives.
+    """Return the perturbed models of which the core takes derivatives, and their places among the parameters.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    wanted : sequence of Parameter
-        Of the model.
-    assembled : callable
-        Makes the system of an arm.
-    redrive : Redrive, optional
-        Of a run along a record.
-
-    Returns
-    -------
-    varied : list of Varied
-        One for each parameter that moves the arm or its drives.
-    places : list of int
-        Their places among the parameters.
+    There is one for each parameter that moves the arm or, with `redrive` of a run along a record, its drives.
 
     Raises
     ------
@@ -197,14 +175,7 @@ def collected(
 ) -> Sensitivities:
     """Return derivatives with respect to all wanted parameters, zero for those that move nothing.
 
-    Parameters
-    ----------
-    wanted : tuple of Parameter
-        All of them.
-    places : sequence of int
-        Those of which there are derivatives.
-    arrays : dict of str to ndarray
-        Derivatives, with the places as last axis; used as they are where all parameters have theirs.
+    The arrays have the places of those that do as last axis; they are used as they are where all have theirs.
     """
     if list(places) == list(range(len(wanted))):
         return Sensitivities(wanted, {name: read_only(array) for name, array in arrays.items()})

@@ -58,12 +58,7 @@ def factor_to(si: str, unit: str) -> float | None:
 def si_factor(unit: str, allowed: tuple[str, ...]) -> tuple[str, float]:
     """Return the SI unit among `allowed` that `unit` belongs to, and the factor to it.
 
-    Parameters
-    ----------
-    unit : str
-        What the file says.
-    allowed : tuple of str
-        SI units that fit, such as ("rad", "m") for the angle of a joint that may be prismatic.
+    Allowed are ("rad", "m") for the angle of a joint that may be prismatic.
 
     Raises
     ------

@@ -27,17 +27,12 @@ class CoulombFriction:
     """Friction of constant size against the joint's motion, the largest static torque of the paper.
 
     τ_fric = -T tanh(θ_dot/v), θ_dot being the hub's rate: the sign function, smoothed over v.
-
-    Attributes
-    ----------
-    torque : float
-        T [N m].
-    rate : float
-        v [rad/s]; below it the joint creeps instead of sticking.
     """
 
     torque: float
+    """T [N m]."""
     rate: float = 1e-3
+    """v [rad/s]; below it the joint creeps instead of sticking."""
 
     def __post_init__(self) -> None:
         if not (self.torque >= 0 and math.isfinite(self.torque)):
@@ -55,21 +50,15 @@ class MotorAngle:
     """A prescribed motor angle φ, such as an encoder's, output-referred.
 
     The joint's torque is τ = k (φ - θ) + c (φ_dot - θ_dot); k = inf makes the hub follow φ.
-
-    Attributes
-    ----------
-    angle : callable
-        φ(t, nu) [rad], nu = 0 to 2.
-    stiffness, damping : float
-        k [N m/rad] and c [N m s/rad] between motor and hub.
-    friction : CoulombFriction, optional
-        At the joint's bearing; without effect where the hub follows φ.
     """
 
     angle: TimeFunction
+    """φ(t, nu) [rad], nu = 0 to 2."""
     stiffness: float = math.inf
     damping: float = 0.0
+    """k [N m/rad] and c [N m s/rad] between motor and hub."""
     friction: CoulombFriction | None = None
+    """At the joint's bearing; without effect where the hub follows φ."""
 
     def __post_init__(self) -> None:
         if not self.stiffness > 0:
@@ -87,17 +76,10 @@ class MotorAngle:
 
 @dataclass(frozen=True)
 class JointTorque:
-    """A prescribed torque at the hub.
-
-    Attributes
-    ----------
-    torque : callable or float
-        τ(t) [N m].
-    friction : CoulombFriction, optional
-        At the joint.
-    """
+    """A prescribed torque at the hub."""
 
     torque: TimeFunction | float = 0.0
+    """τ(t) [N m]."""
     friction: CoulombFriction | None = None
 
     def __call__(self, t: float) -> float:

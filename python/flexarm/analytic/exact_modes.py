@@ -69,24 +69,16 @@ class EndConditions:
 
 @dataclass(frozen=True)
 class ExactModes:
-    """Modes of one link, normalised to unit modal mass, load and hub included.
-
-    Attributes
-    ----------
-    link : FlexibleLink
-        The link the modes belong to.
-    hub_stiffness : float
-        Rotational spring between hub and ground [N m/rad].
-    wavenumbers : ndarray, shape (n_modes,)
-        λ [-], zero for a rigid rotation.
-    coefficients : ndarray, shape (n_modes, 4)
-        a, b, c, d of (A4) [kg^-½]; for a rigid rotation its slope in ξ stands first.
-    """
+    """Modes of one link, normalised to unit modal mass, load and hub included."""
 
     link: FlexibleLink
+    """The link the modes belong to."""
     hub_stiffness: float
+    """Rotational spring between hub and ground [N m/rad]."""
     wavenumbers: Array
+    """λ [-], zero for a rigid rotation, shape (n_modes,)."""
     coefficients: Array
+    """a, b, c, d of (A4) [kg^-½]; for a rigid rotation its slope in ξ stands first, shape (n_modes, 4)."""
 
     @property
     def omega(self) -> Array:

@@ -26,30 +26,20 @@ _POSITIVE = ("length", "bending_stiffness", "mass_per_length")
 
 @dataclass(frozen=True)
 class FlexibleLink:
-    """Inextensible Euler-Bernoulli beam between a hub and a load.
-
-    Attributes
-    ----------
-    length : float
-        Length L [m].
-    bending_stiffness : float
-        EI [N m²].
-    mass_per_length : float
-        ρA [kg/m].
-    tip_mass : float
-        Mass M_e of the load [kg].
-    tip_inertia : float
-        Moment of inertia J_e of the load about the tip, normal to the plane [kg m²].
-    hub_inertia : float
-        Moment of inertia J_h about the joint of what turns with the link's root [kg m²].
-    """
+    """Inextensible Euler-Bernoulli beam between a hub and a load."""
 
     length: float
+    """Length L [m]."""
     bending_stiffness: float
+    """EI [N m²]."""
     mass_per_length: float
+    """ρA [kg/m]."""
     tip_mass: float = 0.0
+    """Mass M_e of the load [kg]."""
     tip_inertia: float = 0.0
+    """Moment of inertia J_e of the load about the tip, normal to the plane [kg m²]."""
     hub_inertia: float = 0.0
+    """Moment of inertia J_h about the joint of what turns with the link's root [kg m²]."""
 
     def __post_init__(self) -> None:
         for item in fields(self):

@@ -27,15 +27,10 @@ from flexarm.analytic.nonlinear_modal import Array, ModalArm, NonlinearModal
 
 @dataclass(frozen=True)
 class LinearModal(ModalArm):
-    """Equation (2) of one link.
-
-    Attributes
-    ----------
-    about : float
-        Angle θ_r of (L2) [rad], counted like all angles of this arm; used with a torque drive only.
-    """
+    """Equation (2) of one link."""
 
     about: float = 0.0
+    """Angle θ_r of (L2) [rad], counted like all angles of this arm; used with a torque drive only."""
 
     def coupling(self, q: Array) -> float:
         """Return zero: the mass matrix is the identity."""

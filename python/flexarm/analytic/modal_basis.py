@@ -33,38 +33,25 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ModalBasis:
-    """One rigid and n bending shapes, mass-orthonormal, with their integrals; arrays are read-only.
-
-    Attributes
-    ----------
-    link : FlexibleLink
-        The link described.
-    omega : ndarray, shape (n + 1,)
-        Circular frequencies of the pinned link [rad/s]; the first is zero.
-    rotation : ndarray, shape (n + 1,)
-        α of (B2): the frame's rotation by each coordinate [kg^-½ m^-1].
-    hub_slope, tip_shape : ndarray, shape (n + 1,)
-        φ_i'(0) [kg^-½ m^-1], through which the joint torque acts, and φ_i(L) [kg^-½], both with the
-        rigid shape.
-    Cw : ndarray, shape (n + 1, n + 1)
-        Deflection inertia less centrifugal stiffness (B3) [-].
-    gravity_load : ndarray, shape (n + 1,)
-        B of (B5), rigid shape included [kg^½].
-    gravity_stiffness : ndarray, shape (n + 1, n + 1)
-        N of (B5) [m^-1].
-    foreshortening : ndarray, shape (n + 1, n + 1)
-        U of (B6): the tip comes nearer by qᵀ U q / 2 [kg^-1 m^-1].
-    """
+    """One rigid and n bending shapes, mass-orthonormal, with their integrals; arrays are read-only."""
 
     link: FlexibleLink
     omega: Array
+    """Circular frequencies of the pinned link [rad/s]; the first is zero, shape (n + 1,)."""
     rotation: Array
+    """α of (B2): the frame's rotation by each coordinate [kg^-½ m^-1], shape (n + 1,)."""
     hub_slope: Array
     tip_shape: Array
+    """φ_i'(0) [kg^-½ m^-1], through which the joint torque acts, and φ_i(L) [kg^-½], both with the rigid
+    shape, shape (n + 1,)."""
     Cw: Array
+    """Deflection inertia less centrifugal stiffness (B3) [-], shape (n + 1, n + 1)."""
     gravity_load: Array
+    """B of (B5), rigid shape included [kg^½], shape (n + 1,)."""
     gravity_stiffness: Array
+    """N of (B5) [m^-1], shape (n + 1, n + 1)."""
     foreshortening: Array
+    """U of (B6): the tip comes nearer by qᵀ U q / 2 [kg^-1 m^-1], shape (n + 1, n + 1)."""
 
     @property
     def n_modes(self) -> int:

@@ -11,35 +11,25 @@ from flexarm.analytic.nonlinear_modal import Array, ModalArm
 
 @dataclass(frozen=True)
 class ArmMotion:
-    """A simulated motion; one row a time, arrays are read-only.
-
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        Time [s].
-    coordinates, rates : ndarray, shape (n, n_modes)
-        q [kg^½ m] and its derivative [kg^½ m/s].
-    drive_angle : ndarray, shape (n,)
-        Motor angle φ [rad]; the hub angle where a torque drives the joint.
-    joint_angle : ndarray, shape (n,)
-        Hub angle [rad].
-    joint_torque : ndarray, shape (n,)
-        Torque of the drive on the hub, bearing friction excluded [N m].
-    tip : ndarray, shape (n, 2)
-        Tip position x, z [m], z up.
-    tangential, radial : ndarray, shape (n,)
-        Tip offset from the rigid arm at `drive_angle` [m]: towards rising angle, and outward along the arm.
-    """
+    """A simulated motion; one row a time, arrays are read-only."""
 
     time: Array
+    """Time [s], shape (n,)."""
     coordinates: Array
     rates: Array
+    """q [kg^½ m] and its derivative [kg^½ m/s], shape (n, n_modes)."""
     drive_angle: Array
+    """Motor angle φ [rad]; the hub angle where a torque drives the joint, shape (n,)."""
     joint_angle: Array
+    """Hub angle [rad], shape (n,)."""
     joint_torque: Array
+    """Torque of the drive on the hub, bearing friction excluded [N m], shape (n,)."""
     tip: Array
+    """Tip position x, z [m], z up, shape (n, 2)."""
     tangential: Array
     radial: Array
+    """Tip offset from the rigid arm at `drive_angle` [m]: towards rising angle, and outward along the arm,
+    shape (n,)."""
 
     def __post_init__(self) -> None:
         for item in fields(self):

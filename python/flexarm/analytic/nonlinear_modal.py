@@ -33,24 +33,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ModalArm:
-    """The common part of equations (1) and (2): shapes, damping, gravity, posture.
-
-    Attributes
-    ----------
-    basis : ModalBasis
-        Shapes and their integrals.
-    damping_ratio : float or sequence of float
-        ζ of each bending mode [-], one for all or n values.
-    gravity : float
-        g [m/s²], downwards.
-    hanging : bool
-        Angles count from the hanging vertical instead of the upright one. Positive angles turn z towards x.
-    """
+    """The common part of equations (1) and (2): shapes, damping, gravity, posture."""
 
     basis: ModalBasis
+    """Shapes and their integrals."""
     damping_ratio: float | Sequence[float] = 0.0
+    """ζ of each bending mode [-], one for all or n values."""
     gravity: float = 9.81
+    """g [m/s²], downwards."""
     hanging: bool = False
+    """Angles count from the hanging vertical instead of the upright one. Positive angles turn z towards x."""
 
     def __post_init__(self) -> None:
         ratios = np.asarray(self.damping_ratio, dtype=float)
@@ -88,15 +80,10 @@ class ModalArm:
 
 @dataclass(frozen=True)
 class NonlinearModal(ModalArm):
-    """Equation (1) of one link.
-
-    Attributes
-    ----------
-    printed : bool
-        Leave the factor 2 out of the gyroscopic forces, as printed in the paper; for comparison only.
-    """
+    """Equation (1) of one link."""
 
     printed: bool = False
+    """Leave the factor 2 out of the gyroscopic forces, as printed in the paper; for comparison only."""
 
     def coupling(self, q: Array) -> float:
         """Return the scalar c = qᵀ Cw q, so that the mass matrix is I + c α αᵀ."""

@@ -30,28 +30,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OneLinkArm:
-    """The data of an arm that the modal equations use.
-
-    Attributes
-    ----------
-    link : FlexibleLink
-        Beam and load.
-    stiffness, joint_damping : float
-        Between motor and hub [N m/rad], [N m s/rad]; inf and 0 without joint compliance.
-    beam_damping : float
-        η [s], damping over stiffness of the beam.
-    gravity : float
-        g [m/s²].
-    hanging : bool
-        The arm hangs at q = 0.
-    """
+    """The data of an arm that the modal equations use."""
 
     link: FlexibleLink
+    """Beam and load."""
     stiffness: float
     joint_damping: float
+    """Between motor and hub [N m/rad], [N m s/rad]; inf and 0 without joint compliance."""
     beam_damping: float
+    """η [s], damping over stiffness of the beam."""
     gravity: float
+    """g [m/s²]."""
     hanging: bool
+    """The arm hangs at q = 0."""
 
     @classmethod
     def of(cls, arm: Arm) -> OneLinkArm:

@@ -18,21 +18,14 @@ _RAMP = Polynomial([0, 0, 0, 10, -15, 6])
 
 @dataclass(frozen=True)
 class RampedSine:
-    """φ(t) = A sin(2 π f t) s(t/T) for t > 0, with s = 1 from t = T on.
-
-    Attributes
-    ----------
-    amplitude : float
-        A [rad].
-    frequency : float
-        f [Hz].
-    rise : float
-        T [s].
-    """
+    """φ(t) = A sin(2 π f t) s(t/T) for t > 0, with s = 1 from t = T on."""
 
     amplitude: float
+    """A [rad]."""
     frequency: float
+    """f [Hz]."""
     rise: float
+    """T [s]."""
 
     def __post_init__(self) -> None:
         if not (self.rise > 0 and math.isfinite(self.rise)):

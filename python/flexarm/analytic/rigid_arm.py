@@ -10,21 +10,9 @@ from flexarm.errors import InvalidParameter
 
 
 def rigid_tip(length: float, angle: Array | float, hanging: bool = False) -> Array:
-    """Return the tip of a rigid arm, L (sin θ, cos θ).
+    """Return the tip x, z [m] of a rigid arm, L (sin θ, cos θ), shape (..., 2), z up.
 
-    Parameters
-    ----------
-    length : float
-        L [m].
-    angle : float or ndarray, shape (...)
-        Joint angle [rad] from the upright vertical, positive from z towards x.
-    hanging : bool
-        Count the angle from the hanging vertical instead.
-
-    Returns
-    -------
-    tip : ndarray, shape (..., 2)
-        x, z [m], z up.
+    The angle [rad] counts from the upright vertical (or the hanging one), positive from z towards x.
     """
     if not length > 0:
         raise InvalidParameter(f"arm's length must be positive, got {length} m")

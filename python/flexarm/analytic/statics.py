@@ -28,18 +28,12 @@ MAX_ITERATIONS = 50
 
 @dataclass(frozen=True)
 class Freedom:
-    """q = e φ + T y: the coordinates that a drive leaves free.
-
-    Attributes
-    ----------
-    rigid : ndarray, shape (n + 1,)
-        e, the rigid rotation by one radian; zero where φ is no coordinate.
-    free : ndarray, shape (n + 1, m)
-        T, orthonormal columns.
-    """
+    """q = e φ + T y: the coordinates that a drive leaves free."""
 
     rigid: Array
+    """e, the rigid rotation by one radian; zero where φ is no coordinate, shape (n + 1,)."""
     free: Array
+    """T, orthonormal columns, shape (n + 1, m)."""
 
     @classmethod
     def all(cls, arm: Equation) -> Freedom:
@@ -62,16 +56,7 @@ def rigid_rotation(arm: Equation) -> Array:
 
 
 def equilibrium(arm: Equation, drive_angle: float, stiffness: float = math.inf) -> Array:
-    """Return the coordinates q at rest under a held motor angle.
-
-    Parameters
-    ----------
-    arm : NonlinearModal or LinearModal
-        Equation (1) or (2).
-    drive_angle : float
-        φ [rad].
-    stiffness : float
-        k [N m/rad] between motor and hub; inf: rigid.
+    """Return the coordinates q at rest under a held motor angle φ [rad], on a spring k [N m/rad]; inf: rigid.
 
     Raises
     ------

@@ -14,16 +14,8 @@ from flexarm.tables import Inconsistent, Name, Number, Table, Vector3, value_in
 class Payload(Table):
     """A mass that sits rigidly on a link: on a beam, on the section at its projection on the axis.
 
-    Parameters
-    ----------
-    name, link : str
-        Its name and the link that carries it; `link:interface` on a super-element.
-    position : (3,)
-        Its centre in the link's frame, or in that of the interface [m].
-    mass : float
-        Mass [kg].
-    inertia : (3,) or (6,)
-        About its own centre, in the link's axes [kg m2]; default a point mass.
+    `link` is `link:interface` on a super-element, whose frame the position is then in. The inertia is in the
+    link's axes, three or six numbers; default a point mass.
     """
 
     name: Name = Field(description="name of the payload")
@@ -40,15 +32,7 @@ class Payload(Table):
 
 
 class Point(Table):
-    """A place that a sensor sees, or a force acts at.
-
-    Parameters
-    ----------
-    name, link : str
-        Its name and the link that carries it; `link:interface` on a super-element.
-    position : (3,)
-        In the link's frame, or in that of the interface [m].
-    """
+    """A place that a sensor sees, or a force acts at; `link` and `position` as those of `Payload`."""
 
     name: Name = Field(description="name of the point")
     link: Place = Field(description="name of a link")

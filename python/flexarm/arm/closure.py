@@ -22,39 +22,29 @@ WITHOUT_AXIS = ("spherical", "fixed")
 
 
 class Closure(Table):
-    """A closure: a joint that ties a place on link `a` to a place on link `b` and so closes a loop.
-
-    Parameters
-    ----------
-    name : str
-        Name, used by results.
-    type : {"revolute", "spherical", "universal", "cylindrical", "prismatic", "fixed", "point_on_line"}
-        Condition between the frames at a and b. The line of `point_on_line` is the axis at a.
-    a, b : str
-        "base" or a link; `link:interface` on a super-element.
-    a_at, b_at : {"start", "end"}
-        From where on a beam the origin is measured: the link's frame, or its far end.
-    a_origin, b_origin : Origin
-        From there to the frame of the closure. On a beam the frame sits on the section at its projection.
-    axis : (3,)
-        Axis in the frame at a, any length but zero; of a joint with an axis the frame at b has the same.
-    second_axis : (3,), optional
-        Of a universal closure: the axis in the frame at b that stays across `axis`; default: x, y or z,
-        the first that is farthest from the direction of `axis`.
-    """
+    """A closure: a joint that ties a place on link `a` to a place on link `b` and so closes a loop."""
 
     name: Name = Field(description="name of the closure")
+    """Name, used by results."""
     type: Literal[
         "revolute", "spherical", "universal", "cylindrical", "prismatic", "fixed", "point_on_line"
     ] = Field(description="revolute, spherical, universal, cylindrical, prismatic, fixed or point_on_line")
+    """Condition between the frames at a and b. The line of `point_on_line` is the axis at a."""
     a: Place = Field(description='"base" or the name of a link')
     b: Place = Field(description='"base" or the name of a link')
+    """The base or a link; `link:interface` on a super-element."""
     a_at: Literal["start", "end"] = "start"
     b_at: Literal["start", "end"] = "start"
+    """From where on a beam the origin is measured: the link's frame, or its far end."""
     a_origin: Origin = Origin()
     b_origin: Origin = Origin()
+    """From there to the frame of the closure. On a beam the frame sits on the section at its projection."""
     axis: Vector3 = value_in("-", "axis of the closure", (0.0, 0.0, 0.0))
+    """Axis in the frame at a, any length but zero; of a joint with an axis the frame at b has the same, shape
+    (3,)."""
     second_axis: Vector3 | None = value_in("-", "second axis of a universal closure", None)
+    """Of a universal closure: the axis in the frame at b that stays across `axis`; default: x, y or z, the
+    first that is farthest from the direction of `axis`."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:

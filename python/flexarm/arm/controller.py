@@ -25,20 +25,7 @@ from flexarm.tables import Inconsistent, Name, Number, Table, value_in
 class Cascade(Table):
     """Position loop around a velocity loop, eq. (1).
 
-    Parameters
-    ----------
-    joint : str
-        The joint that is controlled.
-    position_gain : float
-        K_p [1/s].
-    velocity_gain : float
-        K_v [N m s/rad], output-referred.
-    integral_time : float, optional
-        T_i [s]; left out: no integral part.
-    sample_time : float
-        Between two outputs [s].
-    torque_limit : float, optional
-        Greatest torque [N m], output-referred.
+    `position_gain` is K_p, `velocity_gain` K_v and `integral_time` T_i; left out: no integral part.
     """
 
     type: Literal["cascade"] = "cascade"
@@ -53,18 +40,7 @@ class Cascade(Table):
 class StateFeedback(Table):
     """Angle, rate, deflection and its rate, fed back to the motor's voltage, eq. (2).
 
-    Parameters
-    ----------
-    joint : str
-        The joint that is controlled; it needs a motor.
-    position_gain, rate_gain : float
-        K_1 [V/rad] and K_3 [V s/rad].
-    deflection : str, optional
-        Name of the sensor whose reading is d.
-    deflection_gain, deflection_rate_gain : float
-        K_2 [V/m] and K_4 [V s/m].
-    sample_time : float
-        Between two outputs [s].
+    The joint needs a motor. `deflection` names the sensor whose reading is d.
     """
 
     type: Literal["state_feedback"] = "state_feedback"

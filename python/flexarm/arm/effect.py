@@ -37,41 +37,29 @@ Derivative = Literal["smooth", "one-sided", "none"]
 
 
 class Trial(NamedTuple):
-    """Values of parameters with which a search tries an effect.
-
-    Attributes
-    ----------
-    start : dict of str to float
-        From which a fit starts.
-    fixed : dict of str to float
-        That stay as they are.
-    """
+    """Values of parameters with which a search tries an effect."""
 
     start: Mapping[str, float] = {}
+    """From which a fit starts."""
     fixed: Mapping[str, float] = {}
+    """That stay as they are."""
 
 
 class Effect(EffectTraits):
-    """Base of all effects. A subclass sets `name` and traits, and has its parameters as fields.
-
-    Attributes
-    ----------
-    at : str
-        Name of the joint, link, payload, point, signal, frame or clock, or "base".
-    name : str
-        Of the class: its name in the vocabulary.
-    place : str
-        Of the class: the kind of place that the vocabulary states.
-    """
+    """Base of all effects. A subclass sets `name` and traits, and has its parameters as fields."""
 
     name: ClassVar[str]
+    """Of the class: its name in the vocabulary."""
     place: ClassVar[str]
+    """Of the class: the kind of place that the vocabulary states."""
     at: Label = Field(description='name of a joint, link, payload, point, signal, frame or clock, or "base"')
+    """Name of the joint, link, payload, point, signal, frame or clock, or "base"."""
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         if "name" in vars(cls):
             cls.place = KNOWN_EFFECTS[cls.name]
+        super().__pydantic_init_subclass__(**kwargs)
 
     def parameters(self) -> list[tuple[str, float, str]]:
         """Parameters as (name, value, unit), vectors spelt out as `offset.x`, tables as `value.0`.
@@ -208,16 +196,8 @@ class Effect(EffectTraits):
     ) -> Iterable[Trial]:
         """Return values that are tried one after the other, as a fit would not find them from one start.
 
-        Parameters
-        ----------
-        stated : Effect or None
-            The effect as the model has it.
-        arm : Arm
-            The model.
-        frequencies : sequence of float
-            At which the gap swings [Hz].
-        softer : sequence of float
-            How much softer than typical springs are tried.
+        `stated` is the effect as the model has it, `frequencies` [Hz] are those of the gap, and `softer` says
+        by how much softer springs than typical ones are tried.
         """
         return [Trial()]
 

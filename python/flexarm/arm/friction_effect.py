@@ -41,16 +41,7 @@ KNOTS = np.array([0.1, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0
 class FrictionEffect(Effect):
     """Dry friction; a subclass has the torque T_c of (1) and puts the laws where they act.
 
-    Parameters
-    ----------
-    width : float
-        w of (2) [rad].
-    creep_rate : float
-        v_c of (2) [rad/s]; 0 where it sticks.
-    drop : float
-        delta of (1) [-].
-    stribeck_rate : float
-        v_s of (1) [rad/s].
+    `width` is w and `creep_rate` v_c of (2), `drop` delta and `stribeck_rate` v_s of (1).
     """
 
     smooth = False

@@ -19,38 +19,25 @@ class Origin(Table):
 
 
 class Joint(Table):
-    """A joint: the child link moves about or along `axis` of the joint's frame.
-
-    Parameters
-    ----------
-    name : str
-        Name, used by --joint, drives, effects and signals.
-    type : {"revolute", "prismatic", "fixed"}
-        What the child can do.
-    parent, child : str
-        "base" or a link; `link:interface` on a super-element.
-    at : {"start", "end"}
-        From where on the parent `origin` is measured: its frame, or the far end of a beam, which moves with
-        it.
-    origin : Origin
-        From there to the joint's frame.
-    axis : (3,)
-        Axis in the joint's frame, any length but zero; not needed for a fixed joint.
-    gear_ratio : float
-        Motor angle over output angle [-]; a negative one turns the other way.
-    rotor_inertia : float
-        Of all that turns with the motor's shaft, motor side [kg m2].
-    """
+    """A joint: the child link moves about or along `axis` of the joint's frame."""
 
     name: Name = Field(description="name of the joint")
+    """Name, used by --joint, drives, effects and signals."""
     type: Literal["revolute", "prismatic", "fixed"] = Field(description="revolute, prismatic or fixed")
     parent: Place = Field(description='"base" or the name of a link')
     child: Place = Field(description="name of a link")
+    """The base or a link; `link:interface` on a super-element."""
     at: Literal["start", "end"] = "start"
+    """From where on the parent `origin` is measured: its frame, or the far end of a beam, which moves with
+    it."""
     origin: Origin = Origin()
+    """From there to the joint's frame."""
     axis: Vector3 = value_in("-", "axis of the joint", (0.0, 0.0, 0.0))
+    """Axis in the joint's frame, any length but zero; not needed for a fixed joint, shape (3,)."""
     gear_ratio: Number = value_in("-", "motor angle over output angle", 1.0)
+    """Motor angle over output angle [-]; a negative one turns the other way."""
     rotor_inertia: Number = value_in("kg m2", "inertia of the rotor, motor side", 0.0, ge=0)
+    """Of all that turns with the motor's shaft, motor side [kg m2]."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:

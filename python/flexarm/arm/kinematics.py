@@ -65,35 +65,17 @@ def chain_to(arm: Any, place: str) -> list[Any]:
 
 
 def joint_frame(arm: Any, joint: Any, parent: Pose) -> Pose:
-    """Return the frame in which a joint turns, before it turns.
-
-    Parameters
-    ----------
-    arm : Arm
-        The arm.
-    joint : Joint
-        One of its joints.
-    parent : Pose
-        Of the place that `joint.parent` names, as `link_pose` gives it.
-    """
+    """Return the frame in which a joint turns, before it turns, in the pose of the place `joint.parent`."""
     if joint.at == "end":
         parent = parent.moved(np.eye(3), np.asarray(arm.link(joint.parent).end))
     return parent.moved(np.array(from_rpy(joint.origin.rpy)), np.asarray(joint.origin.xyz))
 
 
 def link_pose(arm: Any, link: str, values: Mapping[str, Floats], base: Any = IDENTITY) -> Pose:
-    """Return the pose (1) of a link of the rigid arm, or of an interface.
+    """Return the pose (1) of a link of the rigid arm, "base", or LINK:INTERFACE on a super-element.
 
-    Parameters
-    ----------
-    arm : Arm
-        The arm.
-    link : str
-        Name of the link, "base", or LINK:INTERFACE on a super-element.
-    values : dict of str to ndarray, shape (m,)
-        Values of the joints on the way [rad or m]; those left out are 0.
-    base : (3, 3)
-        Rotation of everything that stands on the base.
+    `values` are those of the joints on the way [rad or m], shape (m,), by default 0; `base` is the rotation,
+    (3, 3), of everything that stands on the base.
     """
     joints = chain_to(arm, link)
     if arm.closures and (left_out := set(loop_joints(arm)) & {j.name for j in joints} - set(values)):

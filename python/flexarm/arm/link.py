@@ -21,38 +21,24 @@ WEIGHTLESS = "must be 0 where the density is 0, got {ratio:g}; a ratio is of a v
 
 
 class Beam(Table):
-    """A straight elastic link of constant section.
-
-    Parameters
-    ----------
-    name : str
-        Name of the link.
-    end : (3,)
-        From the link's frame to its far end [m]; local x runs along it.
-    up : (3,), optional
-        Direction in the link's frame whose part normal to `end` is local z; needed only where Iy differs from
-        Iz.
-    section, material
-        What it is made of.
-    theory : {"timoshenko", "euler-bernoulli"}
-        With shear and rotary inertia, or with neither.
-    elements : int
-        Number of finite elements.
-    damping_ratio : float
-        Of the link alone in its first clamped mode, without payload; stiffness-proportional.
-    """
+    """A straight elastic link of constant section."""
 
     name: Name = Field(description="name of the link")
     type: Literal["beam"] = "beam"
     end: Vector3 = value_in("m", "far end in the link's frame")
+    """From the link's frame to its far end [m]; local x runs along it, shape (3,)."""
     up: Vector3 | None = value_in("-", "direction that local z leans to", None)
+    """Direction in the link's frame whose part normal to `end` is local z; needed only where Iy differs from
+    Iz."""
     section: Section = Field(
         description='a table such as { shape = "tube", outer_diameter = 0.06, thickness = 0.003 }'
     )
     material: Material = Field(description="a table with youngs_modulus, poisson_ratio, density")
     theory: Literal["timoshenko", "euler-bernoulli"] = "timoshenko"
+    """With shear and rotary inertia, or with neither."""
     elements: Whole = value_in("-", "number of elements", 4, ge=1, le=100_000)
     damping_ratio: Number = value_in("-", "damping ratio of the first clamped mode", 0.0, ge=0, lt=1)
+    """Of the link alone in its first clamped mode, without payload; stiffness-proportional."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -83,19 +69,7 @@ class Beam(Table):
 
 
 class RigidLink(Table):
-    """A rigid body.
-
-    Parameters
-    ----------
-    name : str
-        Name of the link.
-    mass : float
-        Mass [kg].
-    com : (3,)
-        Centre of mass in the link's frame [m].
-    inertia : (3,) or (6,)
-        About the centre of mass, in the link's axes [kg m2].
-    """
+    """A rigid body; its inertia is in the axes of the link, three or six numbers."""
 
     name: Name = Field(description="name of the link")
     type: Literal["rigid"] = "rigid"
@@ -113,15 +87,8 @@ class RigidLink(Table):
 class SuperElementLink(Table):
     """A part reduced to its interfaces and internal modes, such as `flexarm reduce` makes from a mesh.
 
-    Parameters
-    ----------
-    name : str
-        Name of the link.
-    file : str
-        The super-element's file; in a model file, from where that lies.
-    damping_ratio : float
-        Of the part alone, held at its first interface, in its lowest mode; stiffness-proportional, in place
-        of the damping in the file.
+    A model file names the file from where it lies itself. The damping ratio is that of the part alone in its
+    lowest mode, proportional to the stiffness, in place of the damping in the file.
     """
 
     name: Name = Field(description="name of the link")

@@ -18,20 +18,7 @@ from flexarm.tables import Name, Number, Table, value_in
 class Motor(Table):
     """The motor of a joint.
 
-    Parameters
-    ----------
-    joint : str
-        The joint that it drives.
-    resistance : float
-        R of (1) [ohm].
-    torque_constant : float
-        k_m of (1) [N m/A = V s/rad], motor side.
-    efficiency : float
-        eta of (1), motor and reducer together; default 1.
-    voltage_limit : float, optional
-        Greatest |u| [V].
-    torque_limit : float, optional
-        Greatest torque [N m], motor side.
+    `resistance` is R, `torque_constant` k_m and `efficiency` eta of (1); `voltage_limit` is the greatest |u|.
     """
 
     joint: Name = Field(description="name of the joint that the motor drives")

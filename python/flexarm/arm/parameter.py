@@ -30,24 +30,15 @@ _STEP = 3e-5
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of a model.
-
-    Attributes
-    ----------
-    key : str
-        Its path, with the component of a vector.
-    value : float
-        Its value in the model [unit].
-    unit : str
-        Unit of the value.
-    one_sided : bool
-        Whether what the model predicts has different derivatives to its left and right.
-    """
+    """One number of a model."""
 
     key: str
+    """Its path, with the component of a vector."""
     value: float
+    """Its value in the model [unit]."""
     unit: str
     one_sided: bool = False
+    """Whether what the model predicts has different derivatives to its left and right."""
 
     def __str__(self) -> str:
         return f"{self.key} = {self.value:g} {self.unit}"

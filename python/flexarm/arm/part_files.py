@@ -18,15 +18,7 @@ if TYPE_CHECKING:
 
 
 def found_from(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return tables of a model with the files of its super-elements as absolute paths.
-
-    Parameters
-    ----------
-    data : dict
-        The model.
-    folder : Path
-        Where relative names start from.
-    """
+    """Return tables of a model whose files of super-elements, named from `folder`, have absolute paths."""
     return _with_files(data, lambda file: str((folder / file).resolve()))
 
 

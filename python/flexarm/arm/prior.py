@@ -32,28 +32,19 @@ QUANTILE = 1.959963984540054
 
 @dataclass(frozen=True)
 class Prior:
-    """Plausible values of a parameter.
-
-    Attributes
-    ----------
-    low, high : float
-        Range that holds about 95 % of machines; all of them with scale "uniform".
-    typical : float
-        The most plausible value.
-    scale : {"log", "linear", "uniform"}
-        What is normally distributed, eq. (1): the logarithm or the value; "uniform": neither.
-    unit : str
-        Of the three values.
-    source : str
-        Where they come from, one sentence.
-    """
+    """Plausible values of a parameter."""
 
     low: float
     high: float
+    """Range that holds about 95 % of machines; all of them with scale "uniform"."""
     typical: float
+    """The most plausible value."""
     scale: Literal["log", "linear", "uniform"]
+    """What is normally distributed, eq. (1): the logarithm or the value; "uniform": neither."""
     unit: str
+    """Of the three values."""
     source: str
+    """Where they come from, one sentence."""
 
     def __post_init__(self) -> None:
         if not self.low < self.typical < self.high:

@@ -106,20 +106,9 @@ Pair = Annotated[Vector2, BeforeValidator(_pair)]
 
 
 class General(Table):
-    """A section given by its numbers.
+    """A section given by its numbers; without a shear area it is rigid in shear.
 
-    Parameters
-    ----------
-    area : float
-        A [m2].
-    second_moment : float or (2,)
-        I, or [Iy, Iz] [m4].
-    torsion_constant : float
-        J [m4].
-    shear_area : float or (2,), optional
-        Shear factor times area, or [y, z] [m2]; left out: rigid in shear.
-    thickness : float, optional
-        Wall [m] of a round tube, used only to check the other numbers against one another.
+    The wall of a round tube is only used to check the other numbers against one another.
     """
 
     shape: Literal["general"] = "general"

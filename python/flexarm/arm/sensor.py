@@ -30,54 +30,37 @@ Axes = Annotated[tuple[Literal["x", "y", "z"], ...], BeforeValidator(_as_tuple),
 
 
 class Measurement(Table):
-    """Quantity, place and noise of a signal.
-
-    Parameters
-    ----------
-    name : str
-        Name of the signal.
-    quantity : str
-        A key of `flexarm.quantities.QUANTITIES`.
-    joint, point, link, payload : str, optional
-        Where; which of them is needed depends on the quantity.
-    side : {"motor", "output"}, optional
-        Before the reducer (divided by the ratio) or after it; default motor.
-    axes : list of "x", "y", "z", optional
-        Directions of the channels, default all three; for an inclination the one body axis whose angle to the
-        horizontal is measured.
-    frame, clock : str, optional
-        Default: "base", the base's own frame, and the reference clock.
-    unit : str, optional
-        Unit of the values, noise_std and step; default SI.
-    torque_constant : float, optional
-        Of a motor's current [N m/A], which it makes a torque: `motor_current` is `motor_torque` from then on.
-        With side "output" it is that of the output, the gear ratio included.
-    noise_std : float, optional
-        1 sigma per channel, in `unit`.
-    jitter_std : float
-        1 sigma of the stamps [s].
-    position : float, optional
-        For strain, and deflection of a link: the place along its axis [m].
-    fibre : (2,), optional
-        For strain: the fibre [y, z] in the section's axes [m].
-    """
+    """Quantity, place and noise of a signal."""
 
     name: Name = Field(description="name of the signal")
     quantity: QuantityName = Field(description='what is measured, such as "position"')
+    """A key of `flexarm.quantities.QUANTITIES`."""
     joint: Name | None = None
     point: Name | None = None
     link: Name | None = None
     payload: Name | None = None
+    """Where; which of them is needed depends on the quantity."""
     side: Literal["motor", "output"] | None = None
+    """Before the reducer (divided by the ratio) or after it; default motor."""
     axes: Axes = ()
+    """Directions of the channels, default all three; for an inclination the one body axis whose angle to the
+    horizontal is measured."""
     frame: Name = "base"
     clock: Name | None = None
+    """Default: "base", the base's own frame, and the reference clock."""
     unit: str | None = None
+    """Unit of the values, noise_std and step; default SI."""
     torque_constant: Number | None = value_in("N m/A", "torque of the motor over its current", None, gt=0)
+    """Of a motor's current [N m/A], which it makes a torque: `motor_current` is `motor_torque` from then on.
+    With side "output" it is that of the output, the gear ratio included."""
     noise_std: Number | None = value_in("unit", "1 sigma of the noise per channel", None, ge=0)
+    """1 sigma per channel, in `unit`."""
     jitter_std: Number = value_in("s", "1 sigma of the stamps", 0.0, ge=0)
+    """1 sigma of the stamps [s]."""
     position: Number | None = value_in("m", "place along the link", None)
+    """For strain, and deflection of a link: the place along its axis [m]."""
     fibre: Vector2 | None = value_in("m", "fibre [y, z] in the section", None)
+    """For strain: the fibre [y, z] in the section's axes [m]."""
 
     @model_validator(mode="before")
     @classmethod
@@ -179,27 +162,16 @@ class Measurement(Table):
 
 
 class Sensor(Measurement):
-    """A virtual sensor of a model.
-
-    Parameters
-    ----------
-    rate_hz : float
-        Samples a second.
-    start : float
-        Time of the first sample after the start of the run [s].
-    latency_s : float
-        Age of a value at its stamp [s]: the stamp is late by so much.
-    drop_out : float
-        Share of samples that are lost, 0 to 1.
-    step : float
-        Quantisation, in `unit`; 0: none.
-    time : str
-        Name of the column of stamps in the file that is written.
-    """
+    """A virtual sensor of a model."""
 
     rate_hz: Number = value_in("Hz", "samples a second", gt=0)
     start: Number = value_in("s", "time of the first sample", 0.0, ge=0)
+    """Time of the first sample after the start of the run [s]."""
     latency_s: Number = value_in("s", "delay of the stamp", 0.0, ge=0)
+    """Age of a value at its stamp [s]: the stamp is late by so much."""
     drop_out: Number = value_in("-", "share of lost samples", 0.0, ge=0, lt=1)
+    """Share of samples that are lost, 0 to 1."""
     step: Number = value_in("unit", "quantisation", 0.0, ge=0)
+    """Quantisation, in `unit`; 0: none."""
     time: Name = "time_s"
+    """Name of the column of stamps in the file that is written."""

@@ -50,21 +50,14 @@ class Measured(Protocol):
 
 
 class SignalEffect(Effect):
-    """An effect on the values of a signal.
-
-    Attributes
-    ----------
-    quantities : tuple of str
-        What it can act on; empty: any quantity.
-    of_drives : bool
-        True if a search looks for it in readings that drive the model, not in those compared with it.
-    not_sought_in : tuple of str
-        Quantities in which another effect stands for it, such as a frame's registration.
-    """
+    """An effect on the values of a signal."""
 
     quantities: ClassVar[tuple[str, ...]] = ()
+    """What it can act on; empty: any quantity."""
     of_drives: ClassVar[bool] = False
+    """True if a search looks for it in readings that drive the model, not in those compared with it."""
     not_sought_in: ClassVar[tuple[str, ...]] = ()
+    """Quantities in which another effect stands for it, such as a frame's registration."""
 
     @classmethod
     def sought_in(cls, quantity: str) -> bool:
@@ -112,16 +105,11 @@ def _once(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class ChannelEffect(SignalEffect):
-    """An effect on some channels of a signal.
-
-    Parameters
-    ----------
-    channels : list of str
-        Names of the channels: axes of a vector ("x", "y", "z"), x, y, z, w of a quaternion; left out: all.
-        A scalar signal has one channel without a name.
-    """
+    """An effect on some channels of a signal."""
 
     channels: Annotated[tuple[str, ...], BeforeValidator(_names), AfterValidator(_once)] = ()
+    """Names of the channels: axes of a vector ("x", "y", "z"), x, y, z, w of a quaternion; left out: all. A
+    scalar signal has one channel without a name."""
 
     def misfit(self, what: Measured) -> str | None:
         """As `SignalEffect.misfit`; also if the signal has not these channels."""
@@ -141,15 +129,10 @@ class ChannelEffect(SignalEffect):
 
 
 class ClockEffect(Effect):
-    """An effect on the stamps of a signal, or of all signals of a clock.
-
-    Attributes
-    ----------
-    of_commands : bool
-        True if a command may have it too.
-    """
+    """An effect on the stamps of a signal, or of all signals of a clock."""
 
     of_commands: ClassVar[bool] = False
+    """True if a command may have it too."""
 
     @classmethod
     def command_priors(cls) -> dict[str, Prior]:
@@ -162,18 +145,12 @@ class ClockEffect(Effect):
 
 
 class FrameEffect(Effect):
-    """An effect on a frame of measurement.
-
-    Attributes
-    ----------
-    sees : tuple of str
-        Quantities of the frame's signals in which it shows.
-    least_places : int
-        Least number of places in the frame that must be seen, by these, for a search to look for it.
-    """
+    """An effect on a frame of measurement."""
 
     sees: ClassVar[tuple[str, ...]] = ("position", "orientation")
+    """Quantities of the frame's signals in which it shows."""
     least_places: ClassVar[int] = 1
+    """Least number of places in the frame that must be seen, by these, for a search to look for it."""
 
     def moved(self) -> tuple[Vector, Vector, Vector]:
         """Return the translation [m], rotation vector [rad] and velocity [m/s] that it adds to (3)."""

@@ -176,28 +176,18 @@ def _in_quotes(path: tuple[str, ...], value: Any) -> tuple[Path, str]:
 
 @dataclass(frozen=True)
 class Owner:
-    """The table that holds the value of a key.
-
-    Attributes
-    ----------
-    table, index : str and int
-        Of the arm, and the entry in it.
-    prefix : tuple of str
-        Words of the key before the value's own name.
-    fields : tuple of str
-        Names of the fields from the entry down to the value.
-    owner : Table
-        What holds the value.
-    unit : str
-        Unit at the end of the key; empty: relative.
-    """
+    """The table that holds the value of a key."""
 
     table: str
     index: int
+    """Of the arm, and the entry in it."""
     prefix: tuple[str, ...]
+    """Words of the key before the value's own name."""
     fields: tuple[str, ...]
+    """Names of the fields from the entry down to the value."""
     owner: Table
     unit: str
+    """Unit at the end of the key; empty: relative."""
 
     @property
     def field(self) -> str:

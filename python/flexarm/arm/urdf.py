@@ -34,14 +34,7 @@ _NOT_TABLES = {"format", "name", "gravity", "uncertainty", "urdf"}
 
 
 def with_urdf(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return tables of a model with those of the URDF file that it names.
-
-    Parameters
-    ----------
-    data : dict
-        The model; `urdf` names the file.
-    folder : Path
-        Where a relative name starts from.
+    """Return tables of a model with those of the URDF file that it names, relative to `folder`.
 
     Raises
     ------

@@ -34,18 +34,10 @@ def is_named(entry: Any) -> bool:
 def on_beams(
     model: dict[str, Any], own: Iterable[Any], joints: Iterable[Mapping[str, Any]], file: Path
 ) -> dict[str, Any]:
-    """Return the tables of a model with the joints of its URDF file on the sections that they belong to.
+    """Return the merged tables of a model with the joints of its URDF file on the sections they belong to.
 
-    Parameters
-    ----------
-    model : dict
-        The merged tables.
-    own : iterable
-        Joints as the model's own file has them; their `origin` and `at` take precedence.
-    joints : iterable of dict
-        Joints as the URDF file has them.
-    file : Path
-        The URDF file.
+    `own` are joints as the model's own file has them, whose `origin` and `at` take precedence over those of
+    `joints`, from the URDF file.
 
     Raises
     ------

@@ -94,14 +94,8 @@ def weight_statement(
 ) -> WeightStatement:
     """Return the weight statement of an arm without its effects; see also `flexarm.assembly.as_built`.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    tilt : (3, 3)
-        Rotation of everything that stands on the base.
-    mass_scale : dict of str to float
-        Factors on the mass of super-elements, whose tables cannot say it.
+    `tilt` is the rotation, (3, 3), of everything that stands on the base, and `mass_scale` has factors on the
+    mass of super-elements, whose tables cannot say it.
 
     Raises
     ------

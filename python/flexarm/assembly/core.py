@@ -29,16 +29,9 @@ _THEORIES = {
 
 
 def core_arm(arm: Arm, loaded: Iterable[str] = (), *, nominal: bool = False) -> _core.Arm:
-    """Return the arm as the core takes it.
+    """Return the arm as the core takes it; `nominal` leaves out effects, for displacements count from there.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model, with its effects.
-    loaded : iterable of str
-        Points that carry point loads; on a beam they get a node of their own.
-    nominal : bool
-        Without effects: the arm from which displacements are counted.
+    Points that are `loaded` carry point loads; on a beam they get a node of their own.
 
     Raises
     ------
@@ -72,22 +65,11 @@ def assemble(
     *,
     nominal: bool = False,
 ) -> _core.System:
-    """Assemble the arm.
+    """Assemble the arm, with its effects or `nominal` without them.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model, with its effects.
-    drives : dict of str to DriveKind, optional
-        What each joint's motor is told; joints left out are locked, outputs of gears are free, and so are
-        inputs of gears whose output is told.
-    loaded : iterable of str
-        Points that carry point loads.
-    driven : iterable of str
-        Other joints whose drive is held. Joints of loops that are neither here nor in `drives` follow, see
-        `flexarm.assembly.loops`.
-    nominal : bool
-        Without effects.
+    `drives` says what each joint's motor is told; joints left out are locked, outputs of gears are free, and
+    so are inputs of gears whose output is told. `loaded` are points with point loads, `driven` other joints
+    whose drive is held. Joints of loops that are in neither follow, see `flexarm.assembly.loops`.
 
     Raises
     ------
@@ -118,16 +100,9 @@ def loops_of(arm: Arm) -> Loops:
 
 
 def following_joints(arm: Arm, drives: Iterable[str], driven: Iterable[str]) -> tuple[str, ...]:
-    """Return the joints of loops that follow when these are driven, at the motors that gears couple to them.
+    """Return the joints of loops that follow, at the motors that gears couple to them.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    drives : iterable of str
-        Joints that are driven themselves.
-    driven : iterable of str
-        Joints whose motor is held, at the input of their gears.
+    Joints in `drives` are driven themselves; those in `driven` have a motor held at the input of their gears.
     """
     if not arm.closures:
         return ()

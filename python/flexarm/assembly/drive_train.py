@@ -24,23 +24,16 @@ if TYPE_CHECKING:
 
 @dataclass
 class Transmission:
-    """The teeth's map of the motor's angle: psi = phi/scale + amplitude sin(multiple n phi + phase) - w(phi).
-
-    Attributes
-    ----------
-    scale : float
-        True over nominal gear ratio [-].
-    amplitude, multiple, phase : float
-        Of the transmission error: at the output [rad], periods per motor turn, [rad].
-    windup : MonotoneCubic or None
-        w [rad], a table of phi [rad].
-    """
+    """Map of the motor's angle to psi = phi/scale + amplitude sin(multiple n phi + phase) - w(phi)."""
 
     scale: float = 1.0
+    """True over nominal gear ratio [-]."""
     amplitude: float = 0.0
     multiple: float = 0.0
     phase: float = 0.0
+    """Of the transmission error: at the output [rad], periods per motor turn, [rad]."""
     windup: _core.MonotoneCubic | None = None
+    """w [rad], a table of phi [rad]."""
 
     def core(self) -> _core.Transmission:
         """Return the transmission as the core takes it."""
@@ -52,36 +45,26 @@ class Transmission:
 
 @dataclass
 class DriveTrain:
-    """Motor, reducer and output bearing of one joint; all laws output-referred.
-
-    Attributes
-    ----------
-    gear_ratio, rotor_inertia : float
-        Of the model: motor angle over output angle [-], inertia at the motor's shaft [kg m2].
-    transmission : Transmission or None
-        None: exact teeth.
-    stiffness, damping, cubic_stiffness, gap : float
-        Of the reducer [N m/rad], [N m s/rad], [N m/rad3], [rad]; an infinite stiffness makes it rigid.
-    hysteresis : list of (torque, width)
-        Beside the reducer's spring, on its deflection [N m], [rad].
-    windup : (of, table) or None
-        By how much more than its torque makes of it the reducer winds up: a table of the link's angle, of its
-        rate, or of the spring's torque [rad].
-    motor, bearing : list
-        Laws on the motor's angle, and at the output bearing on the link's.
-    """
+    """Motor, reducer and output bearing of one joint; all laws output-referred."""
 
     gear_ratio: float = 1.0
     rotor_inertia: float = 0.0
+    """Of the model: motor angle over output angle [-], inertia at the motor's shaft [kg m2]."""
     transmission: Transmission | None = None
+    """None: exact teeth."""
     stiffness: float = inf
     damping: float = 0.0
     cubic_stiffness: float = 0.0
     gap: float = 0.0
+    """Of the reducer [N m/rad], [N m s/rad], [N m/rad3], [rad]; an infinite stiffness makes it rigid."""
     hysteresis: list[tuple[float, float]] = field(default_factory=list)
+    """Beside the reducer's spring, on its deflection [N m], [rad]."""
     windup: tuple[Literal["angle", "rate", "torque"], _core.MonotoneCubic] | None = None
+    """By how much more than its torque makes of it the reducer winds up: a table of the link's angle, of its
+    rate, or of the spring's torque [rad]."""
     motor: list[Law] = field(default_factory=list)
     bearing: list[Law] = field(default_factory=list)
+    """Laws on the motor's angle, and at the output bearing on the link's."""
 
     def teeth(self) -> Transmission:
         """Return the transmission, exact until it is patched."""

@@ -17,25 +17,16 @@ from flexarm.arm.closure import loop_joints
 
 @dataclass(frozen=True)
 class Loops:
-    """The loops of an arm.
-
-    Attributes
-    ----------
-    arm : Arm
-        The model.
-    system : System
-        Its assembled system, all drives held.
-    assembled : dict of str to float
-        Joints of loops, and where they stand when the loops are closed first [rad, m].
-    redundant : int
-        Conditions of closures that others repeat, as in flat loops of rigid links: their forces are taken as
-        the smallest.
-    """
+    """The loops of an arm."""
 
     arm: Arm
     system: _core.System
+    """Its assembled system, all drives held."""
     assembled: dict[str, float]
+    """Joints of loops, and where they stand when the loops are closed first [rad, m]."""
     redundant: int
+    """Conditions of closures that others repeat, as in flat loops of rigid links: their forces are taken as
+    the smallest."""
 
     @classmethod
     def of(cls, arm: Arm, system: _core.System) -> Loops:

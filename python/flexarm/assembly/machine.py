@@ -21,23 +21,16 @@ from flexarm.assembly.drive_train import DriveTrain
 
 @dataclass
 class Load:
-    """A payload.
-
-    Attributes
-    ----------
-    link, position : str, (3,)
-        Where it sits: in the link's frame [m].
-    mass, inertia : float, (3, 3)
-        Mass [kg], and inertia about its centre, link's axes [kg m2].
-    offset : (3,)
-        Of its centre from `position`, turning with the link there [m].
-    """
+    """A payload."""
 
     link: str
     position: Vector
+    """Where it sits: in the link's frame [m]."""
     mass: float
     inertia: Matrix
+    """Mass [kg], and inertia about its centre, link's axes [kg m2]."""
     offset: Vector = (0.0, 0.0, 0.0)
+    """Of its centre from `position`, turning with the link there [m], shape (3,)."""
 
 
 @dataclass
@@ -50,24 +43,18 @@ class Place:
 
 @dataclass
 class Member:
-    """A link.
-
-    Attributes
-    ----------
-    table : Beam, RigidLink or SuperElementLink
-        What the model says of it, perhaps changed.
-    bending_scale, mass_scale : float
-        On EI of both planes (the stiffness of a super-element), and on rho A and rho I (any link's mass) [-].
-    bow, bow_time : (3,), float
-        Where the tip of the unloaded beam is, from its place on a straight one, link's axes [m], and the time
-        constant with which it gets there [s]; 0: it is there.
-    """
+    """A link."""
 
     table: Link
+    """What the model says of it, perhaps changed."""
     bending_scale: float = 1.0
     mass_scale: float = 1.0
+    """On EI of both planes (the stiffness of a super-element), and on rho A and rho I (any link's mass)
+    [-]."""
     bow: Vector = (0.0, 0.0, 0.0)
     bow_time: float = 0.0
+    """Where the tip of the unloaded beam is, from its place on a straight one, link's axes [m], and the time
+    constant with which it gets there [s]; 0: it is there."""
 
 
 Spring = tuple[Vector, float, float]
@@ -76,38 +63,25 @@ Spring = tuple[Vector, float, float]
 
 @dataclass(frozen=True)
 class Hinge:
-    """A hinge that nothing drives, between two parts that were one.
-
-    Attributes
-    ----------
-    axis : (3,)
-        Direction; its length is arbitrary.
-    stiffness, damping : float
-        Of its spring and damper [N m/rad], [N m s/rad].
-    """
+    """A hinge that nothing drives, between two parts that were one."""
 
     axis: Vector
+    """Direction; its length is arbitrary, shape (3,)."""
     stiffness: float
     damping: float
+    """Of its spring and damper [N m/rad], [N m s/rad]."""
 
 
 @dataclass
 class Base:
-    """The base of the arm.
-
-    Attributes
-    ----------
-    tilt : (2,)
-        Rotation vector about the base's x and y [rad]; gravity and trackers do not turn.
-    hinges : list of Hinge
-        Through the base's origin, axes in the base's frame; none: it stands still.
-    vibration : (3,) or None
-        Amplitude [N m], frequency [Hz], phase [rad] of a moment about the arm's first axis.
-    """
+    """The base of the arm."""
 
     tilt: tuple[float, float] = (0.0, 0.0)
+    """Rotation vector about the base's x and y [rad]; gravity and trackers do not turn, shape (2,)."""
     hinges: list[Hinge] = field(default_factory=list)
+    """Through the base's origin, axes in the base's frame; none: it stands still."""
     vibration: tuple[float, float, float] | None = None
+    """Amplitude [N m], frequency [Hz], phase [rad] of a moment about the arm's first axis."""
 
     def hinge(self, springs: Iterable[Spring]) -> None:
         """Put the base on hinges, one behind the other."""

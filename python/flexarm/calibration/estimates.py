@@ -23,36 +23,25 @@ class Range:
 
 @dataclass(frozen=True)
 class CalibratedParameter:
-    """An estimate.
-
-    Attributes
-    ----------
-    name : str
-        Key of the model's parameter.
-    kind : {"family", "nominal", "clock", "frame", "base"}
-        What it is.
-    value, std, low90, high90 : float
-        Posterior mode, 1 sigma and 90 % interval [unit].
-    unit : str
-        Of all values.
-    prior : Range
-        What was known before.
-    identifiability : float
-        Share of the prior variance that the data removed [-], 0 to 1; of a member of a family, of its spread.
-    family : str
-        Effect of its family; empty without one.
-    """
+    """An estimate."""
 
     name: str
+    """Key of the model's parameter."""
     kind: str
+    """What it is: "family", "nominal", "clock", "frame", "base"."""
     value: float
     std: float
     low90: float
     high90: float
+    """Posterior mode, 1 sigma and 90 % interval [unit]."""
     unit: str
     prior: Range
+    """What was known before."""
     identifiability: float
+    """Share of the prior variance that the data removed [-], 0 to 1; of a member of a family, of its
+    spread."""
     family: str = ""
+    """Effect of its family; empty without one."""
 
     @property
     def determined(self) -> bool:
@@ -62,26 +51,18 @@ class CalibratedParameter:
 
 @dataclass(frozen=True)
 class CalibratedFamily:
-    """A family of effects.
-
-    Attributes
-    ----------
-    effect, parameter, unit : str
-        The effect, one of its parameters, and that one's unit.
-    at : tuple of str
-        Its places.
-    shared : Range or None
-        Size that the members share; None for errors of either sign.
-    spread : float
-        Of the members about it: of their logarithms [-], or of errors of either sign [unit].
-    """
+    """A family of effects."""
 
     effect: str
     parameter: str
     unit: str
+    """The effect, one of its parameters, and that one's unit."""
     at: tuple[str, ...]
+    """Its places."""
     shared: Range | None
+    """Size that the members share; None for errors of either sign."""
     spread: float
+    """Of the members about it: of their logarithms [-], or of errors of either sign [unit]."""
 
 
 @dataclass(frozen=True)
@@ -95,24 +76,15 @@ class CalibratedFrame:
 
 @dataclass(frozen=True)
 class ChiSquare:
-    """Goodness of fit on the training.
-
-    Attributes
-    ----------
-    value : float
-        Sum of squared residuals over their stated noise [-].
-    rows : int
-        Number of residuals.
-    parameters : float
-        Effective number of parameters that the data determine: sum of identifiabilities of directions [-].
-    inflation : dict of str to float
-        By signal: variance of what is left over that of the noise, by which intervals are widened [-].
-    """
+    """Goodness of fit on the training."""
 
     value: float
+    """Sum of squared residuals over their stated noise [-]."""
     rows: int
     parameters: float
+    """Effective number of parameters that the data determine: sum of identifiabilities of directions [-]."""
     inflation: Mapping[str, float]
+    """By signal: variance of what is left over that of the noise, by which intervals are widened [-]."""
 
     @property
     def reduced(self) -> float:

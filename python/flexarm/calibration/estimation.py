@@ -29,6 +29,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.parameter import with_value
 from flexarm.arrays import Floats
+from flexarm.budget import allows
 from flexarm.calibration.families import Family
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
@@ -43,27 +44,17 @@ Tell = Callable[[str], object]
 
 @dataclass(eq=False)
 class Estimation:
-    """A model with free parameters beside records.
-
-    Attributes
-    ----------
-    problem : Problem
-        The records.
-    arm : Arm
-        The model, which has all effects that parameters belong to.
-    parameters : tuple of FreeParameter
-        In the order of u.
-    families : tuple of Family
-        Some of the parameters, by family.
-    policy : CalibrationPolicy
-        When an estimate is at rest.
-    """
+    """A model with free parameters beside records."""
 
     problem: Problem
     arm: Arm
+    """The model, which has all effects that parameters belong to."""
     parameters: tuple[FreeParameter, ...]
+    """In the order of u."""
     families: tuple[Family, ...]
+    """Some of the parameters, by family."""
     policy: CalibrationPolicy
+    """When an estimate is at rest."""
 
     def model(self, u: Floats) -> Arm:
         """Return the arm with these values."""
@@ -149,30 +140,20 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Estimates and their covariance, a normal posterior about the most probable values.
-
-    Attributes
-    ----------
-    estimation : Estimation
-        With the families' spreads as estimated.
-    point : Point
-        Where (1) is least.
-    weight : ndarray, shape (n,)
-        W of (1).
-    covariance : ndarray, shape (m, m)
-        Of u.
-    last_move : ndarray, shape (m,)
-        Of the last step, in sigmas.
-    iterations : int
-        Number of linearisations.
-    """
+    """Estimates and their covariance, a normal posterior about the most probable values."""
 
     estimation: Estimation
+    """With the families' spreads as estimated."""
     point: Point
+    """Where (1) is least."""
     weight: Floats
+    """W of (1), shape (n,)."""
     covariance: Floats
+    """Of u, shape (m, m)."""
     last_move: Floats
+    """Of the last step, in sigmas, shape (m,)."""
     iterations: int
+    """Number of linearisations."""
 
     @property
     def settled(self) -> bool:
@@ -208,18 +189,9 @@ def start_sizes(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
 
 
 def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None = None) -> Posterior:
-    """Return where (1) is least, from u on.
+    """Return where (1) is least, from u on, shape (m,).
 
-    Parameters
-    ----------
-    estimation : Estimation
-        The problem.
-    u : ndarray, shape (m,)
-        The start.
-    tell : callable
-        Gets what is being done.
-    basis : ndarray, shape (m, k), optional
-        Steps are combinations of its columns, and spreads stay; default: all steps.
+    Steps are combinations of the columns of `basis`, shape (m, k), and spreads stay; default: all steps.
 
     Raises
     ------
@@ -243,6 +215,8 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
         left = float(np.sqrt(np.mean(point.residual**2)))
         tell(f"step {count}: {left:.3g} times the noise, moves by {largest:.2g} sigma")
         if (largest < policy.settled and point.exact) or count == policy.iterations:
+            break
+        if not allows("the estimates came to rest"):
             break
         kept = largest >= policy.settled and _foretold(point, move, there, policy.foretold)
         u = point.u + move

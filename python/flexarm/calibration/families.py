@@ -27,26 +27,14 @@ from flexarm.errors import InvalidParameter
 
 @dataclass(frozen=True)
 class Family:
-    """One parameter of an effect at all its places.
-
-    Attributes
-    ----------
-    effect, parameter : str
-        Their names.
-    prior : Prior
-        Of one machine's size.
-    members : tuple of FreeParameter
-        One a place.
-    places : tuple of str
-        Of the members.
-    hierarchy : HierarchicalPrior
-        Of the members.
-    """
+    """One parameter of an effect at all its places."""
 
     effect: str
     parameter: str
     prior: Prior
+    """Of one machine's size."""
     members: tuple[FreeParameter, ...]
+    """One a place."""
     places: tuple[str, ...]
     hierarchy: HierarchicalPrior
 

@@ -20,31 +20,21 @@ Kind = Literal["clock", "frame", "nominal", "start", "base", "family"]
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """A number that is estimated.
-
-    Attributes
-    ----------
-    key : str
-        Parameter of the model.
-    unit : str
-        Of its value.
-    kind : {"clock", "frame", "nominal", "start", "base", "family"}
-        What it is; a "start" is what the arm swings with where a record begins, "base" how its base stood.
-    scale : {"log", "linear"}
-        Of (1).
-    centre, sigma : float
-        Normal prior of u; of a member of a family that of the member alone.
-    step : float or None
-        Of differences [unit], where laws have corners; None: small ones.
-    """
+    """A number that is estimated."""
 
     key: str
+    """Parameter of the model."""
     unit: str
     kind: Kind
+    """What it is; a "start" is what the arm swings with where a record begins, "base" how its base stood:
+    "clock", "frame", "nominal", "start", "base", "family"."""
     scale: Literal["log", "linear"]
+    """Of (1)."""
     centre: float
     sigma: float
+    """Normal prior of u; of a member of a family that of the member alone."""
     step: float | None = None
+    """Of differences [unit], where laws have corners; None: small ones."""
 
     @classmethod
     def of_nuisance(cls, given: NuisanceParameter) -> FreeParameter:

@@ -105,7 +105,7 @@ class Calibration(BeforeAfter, SavedAsDirectory):
 
     def summary(self) -> str:
         """Estimates with 90 % intervals, correlations and gaps, as text."""
-        from flexarm.report.calibration_summary import summary
+        from flexarm.report.calibration import summary
 
         return summary(self)
 

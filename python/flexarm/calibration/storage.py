@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
+
+from pydantic import TypeAdapter
 
 from flexarm.arm import Arm
 from flexarm.calibration.estimates import (
@@ -12,14 +13,11 @@ from flexarm.calibration.estimates import (
     CalibratedFrame,
     CalibratedParameter,
     ChiSquare,
-    Range,
     matrix,
 )
-from flexarm.errors import InvalidFile
 from flexarm.report.calibration import KIND, REPORT
 from flexarm.report.calibration_file import CalibrationFile
-from flexarm.report.storage import GAPS, MODEL, stored_gaps
-from flexarm.tables.toml import read_text
+from flexarm.report.storage import GAPS, MODEL, stored_gaps, stored_object
 
 
 def stored(path: str | Path) -> dict[str, Any]:
@@ -30,22 +28,16 @@ def stored(path: str | Path) -> dict[str, Any]:
     InvalidFile
         If a file is missing, or is not what a calibration wrote.
     """
-    given = Path(path)
-    directory = given.parent if given.suffix == ".json" else given
-    told = _told(given if given.suffix == ".json" else directory / REPORT)
+    directory, told = stored_object(path, KIND, REPORT, CalibrationFile)
     arm, comparisons = stored_gaps(directory / GAPS, KIND)
     details = told["details"]
     return {
         "arm": arm,
         "updated": Arm.from_toml(directory / MODEL),
-        "parameters": tuple(
-            CalibratedParameter(**{**each, "prior": Range(**each["prior"])}) for each in told["parameters"]
-        ),
+        "parameters": _tuple_of(CalibratedParameter, told["parameters"]),
         "correlations": matrix(told["correlations"]["matrix"]),
-        "families": tuple(_family(each) for each in told["families"]),
-        "frames": tuple(
-            CalibratedFrame(each["name"], tuple(each["xyz"]), tuple(each["rpy"])) for each in told["frames"]
-        ),
+        "families": _tuple_of(CalibratedFamily, told["families"]),
+        "frames": _tuple_of(CalibratedFrame, told["frames"]),
         "chi_square": ChiSquare(**{k: v for k, v in told["chi_square"].items() if k != "reduced"}),
         **comparisons,
         "training": tuple(details["training"]),
@@ -57,15 +49,6 @@ def stored(path: str | Path) -> dict[str, Any]:
     }
 
 
-def _told(path: Path) -> dict[str, Any]:
-    text = read_text(path)
-    try:
-        return CalibrationFile.model_validate(json.loads(text)).model_dump()
-    except (ValueError, RecursionError) as error:  # no JSON, or another format
-        what = str(error).splitlines()[0]
-        raise InvalidFile(path, "file", f"is no report of a calibration ({what})") from None
-
-
-def _family(told: dict[str, Any]) -> CalibratedFamily:
-    shared = None if told["shared"] is None else Range(**told["shared"])
-    return CalibratedFamily(**{**told, "at": tuple(told["at"]), "shared": shared})
+def _tuple_of(kind: type[Any], entries: list[dict[str, Any]]) -> tuple[Any, ...]:
+    """Return entries as data classes, nested ones too."""
+    return TypeAdapter(tuple[kind, ...]).validate_python(entries)  # type: ignore[valid-type]

@@ -19,21 +19,14 @@ _WORD = re.compile(r"\{([A-Za-z_]\w*)\}")
 
 @dataclass(frozen=True)
 class Case:
-    """One case.
-
-    Attributes
-    ----------
-    labels : dict of str to str
-        Words that stood in braces, or the name of the drive where there are several.
-    files : tuple of Path
-        Drive, or records in their order.
-    hold_out : Path or None
-        The record that is held out.
-    """
+    """One case."""
 
     labels: Mapping[str, str]
+    """Words that stood in braces, or the name of the drive where there are several."""
     files: tuple[Path, ...] = ()
+    """Drive, or records in their order."""
     hold_out: Path | None = None
+    """The record that is held out."""
 
 
 def cases_of(study: Study, folder: Path) -> tuple[tuple[Case, ...], Found]:

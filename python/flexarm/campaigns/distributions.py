@@ -20,18 +20,12 @@ from flexarm.arrays import Floats
 
 @dataclass(frozen=True)
 class Distribution:
-    """A distribution.
-
-    Attributes
-    ----------
-    kind : str
-        Its name in a study.
-    numbers : tuple of float
-        Mean and standard deviation, ends, or the values.
-    """
+    """A distribution."""
 
     kind: str
+    """Its name in a study."""
     numbers: tuple[float, ...]
+    """Mean and standard deviation, ends, or the values."""
 
     def quantile(self, u: Floats) -> Floats:
         """Return x(u)."""

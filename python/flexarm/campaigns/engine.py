@@ -174,16 +174,9 @@ def leave(name: str) -> None:
 
 @contextmanager
 def client_of(scheduler: str | None, jobs: int | None, room: Path) -> Iterator[Client]:
-    """Yield a client of an existing scheduler, or of a cluster of worker processes on this machine.
+    """Yield a client of a scheduler at an address, or of a cluster of worker processes on this machine.
 
-    Parameters
-    ----------
-    scheduler : str or None
-        Address of an existing one.
-    jobs : int or None
-        Number of processes on this machine; None: one a core.
-    room : Path
-        Directory for files that these need while they live.
+    `jobs` is their number, by default one a core, and `room` a directory for files that these need.
 
     Raises
     ------

@@ -31,73 +31,48 @@ MOST_TARGETS = 12
 
 @dataclass(frozen=True)
 class Target:
-    """A number of every run.
-
-    Attributes
-    ----------
-    name, text, unit : str
-        Its name, what it is, its unit.
-    values : ndarray, shape (n,)
-        Of the runs that did not fail.
-    quantiles : ndarray, shape (5,)
-        At `LEVELS`.
-    nominal : float or None
-        Of the nominal run; statistics of deviations have none.
-    indices : Indices or None
-        Of the parameters, in their order.
-    """
+    """A number of every run."""
 
     name: str
     text: str
     unit: str
+    """Its name, what it is, its unit."""
     values: Floats
+    """Of the runs that did not fail, shape (n,)."""
     quantiles: Floats
+    """At `LEVELS`, shape (5,)."""
     nominal: float | None
+    """Of the nominal run; statistics of deviations have none."""
     indices: Indices | None
+    """Of the parameters, in their order."""
 
 
 @dataclass(frozen=True)
 class Band:
-    """Quantiles of a series over the runs of one case.
-
-    Attributes
-    ----------
-    name, text, unit : str
-        Its name with channel and case, what it is, its unit.
-    time : ndarray, shape (m,)
-        Instants [s].
-    quantiles : ndarray, shape (5, m)
-        Of the deviation from the nominal run, at `LEVELS`.
-    """
+    """Quantiles of a series over the runs of one case."""
 
     name: str
     text: str
     unit: str
+    """Its name with channel and case, what it is, its unit."""
     time: Floats
+    """Instants [s], shape (m,)."""
     quantiles: Floats
+    """Of the deviation from the nominal run, at `LEVELS`, shape (5, m)."""
 
 
 @dataclass(frozen=True)
 class Cost:
-    """How far each parameter alone moves a series.
-
-    Attributes
-    ----------
-    name, unit : str
-        Of the series.
-    rms : float
-        Standard deviation over the runs, rms over the instants, of all channels together.
-    first : ndarray, shape (d,)
-        Part of its square that each parameter explains alone.
-    chance : float
-        Part below which it may be chance.
-    """
+    """How far each parameter alone moves a series."""
 
     name: str
     unit: str
     rms: float
+    """Standard deviation over the runs, rms over the instants, of all channels together."""
     first: Floats
+    """Part of its square that each parameter explains alone, shape (d,)."""
     chance: float
+    """Part below which it may be chance."""
 
     @property
     def each(self) -> Floats:
@@ -107,82 +82,49 @@ class Cost:
 
 @dataclass(frozen=True)
 class Yield:
-    """Share of runs within a tolerance; a failed run is not.
-
-    Attributes
-    ----------
-    name, unit : str
-        Of the kept quantity.
-    tolerance : float
-        Greatest deviation that is allowed.
-    share, low90, high90 : float
-        Of all runs, with the interval of Wilson for independent runs.
-    """
+    """Share of runs within a tolerance; a failed run is not."""
 
     name: str
     unit: str
     tolerance: float
+    """Greatest deviation that is allowed."""
     share: float
     low90: float
     high90: float
+    """Of all runs, with the interval of Wilson for independent runs."""
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What a campaign says.
-
-    Attributes
-    ----------
-    run : str
-        Kind of the runs.
-    count, failed : int
-        Runs, and those that failed.
-    reasons : tuple of (str, int)
-        Why, the most frequent first.
-    parameters : tuple of (str, str)
-        Keys and units.
-    targets, bands, costs, yields
-        Of runs of a model.
-    named : tuple of (str, int, float)
-        Of diagnoses: effect and place, how many named it, mean probability there.
-    verdicts : tuple of (str, int)
-        Of diagnoses.
-    trends : tuple of Trend
-        The surest first.
-    time : str
-        Unit of the trends' time: "year", or the label's name.
-    more_targets : int
-        Targets that are left out.
-    """
+    """What a campaign says."""
 
     run: str
     count: int
     failed: int
+    """Runs, and those that failed."""
     reasons: tuple[tuple[str, int], ...]
+    """Why, the most frequent first."""
     parameters: tuple[tuple[str, str], ...]
+    """Keys and units."""
     targets: tuple[Target, ...] = ()
     bands: tuple[Band, ...] = ()
     costs: tuple[Cost, ...] = ()
     yields: tuple[Yield, ...] = ()
+    """Of runs of a model."""
     named: tuple[tuple[str, int, float], ...] = ()
+    """Of diagnoses: effect and place, how many named it, mean probability there."""
     verdicts: tuple[tuple[str, int], ...] = ()
+    """Of diagnoses."""
     trends: tuple[Trend, ...] = ()
+    """The surest first."""
     time: str = ""
+    """Unit of the trends' time: "year", or the label's name."""
     more_targets: int = 0
+    """Targets that are left out."""
 
 
 def findings_of(data: xr.Dataset, keys: Sequence[str], labels: Sequence[str], seed: int = 0) -> Findings:
-    """Return what the results of a campaign say.
-
-    Parameters
-    ----------
-    data : Dataset
-        The results.
-    keys, labels : sequence of str
-        Parameters that varied, and labels of the cases.
-    seed : int
-        Of the bootstrap.
-    """
+    """Return what results say, given keys of what varied, labels of cases and the seed of the bootstrap."""
     ok = data["status"].values == "ok"
     reasons = Counter(str(reason) for reason in data["reason"].values[~ok])
     about = (

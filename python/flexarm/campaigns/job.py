@@ -14,37 +14,22 @@ from flexarm.errors import printable
 
 @dataclass(frozen=True)
 class Job:
-    """All that a worker needs but the values of the samples; it is sent to each once.
-
-    Attributes
-    ----------
-    variation : Variation
-        The model and what varies in it.
-    runner : Runner
-        What is run.
-    """
+    """All that a worker needs but the values of the samples; it is sent to each once."""
 
     variation: Variation
+    """The model and what varies in it."""
     runner: Runner
 
 
 @dataclass(frozen=True)
 class Task:
-    """Samples that one worker computes in a row.
-
-    Attributes
-    ----------
-    samples : tuple of int
-        Their numbers.
-    cases : tuple of int
-        The case of each.
-    values : ndarray, shape (samples, parameters)
-        Their parameters.
-    """
+    """Samples that one worker computes in a row."""
 
     samples: tuple[int, ...]
     cases: tuple[int, ...]
+    """The case of each."""
     values: Floats
+    """Their parameters, shape (samples, parameters)."""
 
     def singly(self) -> list[Task]:
         """Return a task for each sample."""
@@ -56,24 +41,15 @@ class Task:
 
 @dataclass(frozen=True)
 class Row:
-    """One sample, computed.
-
-    Attributes
-    ----------
-    sample : int
-        Its number.
-    outcome : Outcome or None
-        What is kept; None of one that failed.
-    reason : str
-        Why it failed.
-    seconds : float
-        Time of the run [s].
-    """
+    """One sample, computed."""
 
     sample: int
     outcome: Outcome | None
+    """What is kept; None of one that failed."""
     reason: str = ""
+    """Why it failed."""
     seconds: float = 0.0
+    """Time of the run [s]."""
 
 
 def computed(job: Job, task: Task) -> list[Row]:

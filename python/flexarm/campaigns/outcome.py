@@ -13,34 +13,22 @@ from flexarm.campaigns.study import Found
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of the results, of which each sample has one value.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    unit, text : str
-        SI unit, and what it is.
-    dims : tuple of str
-        Names of the dimensions of one value.
-    coordinates : dict of str to array or list of str
-        Of these dimensions.
-    units : dict of str to str
-        Units of the coordinates.
-    tolerance : float or None
-        Greatest deviation from the nominal value that is allowed.
-    measure : str
-        "series", "value", or the name of a statistic.
-    """
+    """A variable of the results, of which each sample has one value."""
 
     name: str
     unit: str
     text: str
+    """SI unit, and what it is."""
     dims: tuple[str, ...] = ()
+    """Names of the dimensions of one value."""
     coordinates: Mapping[str, Any] = field(default_factory=dict)
+    """Of these dimensions."""
     units: Mapping[str, str] = field(default_factory=dict)
+    """Units of the coordinates."""
     tolerance: float | None = None
+    """Greatest deviation from the nominal value that is allowed."""
     measure: str = "value"
+    """Either "series", "value", or the name of a statistic."""
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -31,22 +31,11 @@ def write_results(
     nominal: Sequence[Outcome],
     attributes: Mapping[str, Any],
 ) -> None:
-    """Write the file of results.
+    """Write the file of results from the batches of a store, which hold every sample once.
 
-    Parameters
-    ----------
-    store : Store
-        Its batches hold every sample once.
-    path : Path
-        The file.
-    variables : sequence of Variable
-        Those that every run has; others are found in the batches.
-    coordinates : dict
-        Values by sample and attributes: parameters and labels.
-    nominal : sequence of Outcome
-        Of the nominal run through each case; none for diagnoses.
-    attributes : dict
-        Of the whole.
+    `variables` are those that every run has; others are found in the batches. `coordinates` are values by
+    sample and attributes (parameters, labels), `nominal` the nominal run through each case; none for
+    diagnoses.
     """
     import h5py  # type: ignore[import-untyped]
 

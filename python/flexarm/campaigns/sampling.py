@@ -28,17 +28,7 @@ CLOSEST = 2.0**-33
 def samples(
     sampling: Sampling | None, distributions: Sequence[Distribution], levels: Sequence[int | None]
 ) -> Floats:
-    """Return the values of all parameters, shape (runs, d).
-
-    Parameters
-    ----------
-    sampling : Sampling or None
-        None: one row.
-    distributions : sequence of Distribution
-        One for each parameter.
-    levels : sequence of int or None
-        How many of each a grid takes.
-    """
+    """Return the values of all parameters, shape (runs, d); one row without sampling."""
     d = len(distributions)
     if sampling is None or not d:
         return np.zeros((1, 0))

@@ -47,25 +47,17 @@ _SHAPES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 
 
 class Sampling(Table):
-    """How samples are drawn.
-
-    Parameters
-    ----------
-    method : {"sobol", "latin-hypercube", "random", "grid"}
-        Of `scipy.stats.qmc`, scrambled Sobol points the default.
-    n : int, optional
-        Number of samples; a grid has as many as its levels make.
-    seed : int
-        Same seed, same samples.
-    saltelli : bool
-        Draw two sets of n samples and those that swap one parameter, n (d + 2) runs for d parameters: total
-        Sobol indices need them.
-    """
+    """How samples are drawn."""
 
     method: Literal["sobol", "latin-hypercube", "random", "grid"] = "sobol"
+    """Of `scipy.stats.qmc`, scrambled Sobol points the default."""
     n: Whole | None = Field(None, description="number of samples", ge=1, le=10_000_000)
+    """Number of samples; a grid has as many as its levels make."""
     seed: Whole = Field(0, description="seed of the samples", ge=0)
+    """Same seed, same samples."""
     saltelli: bool = False
+    """Draw two sets of n samples and those that swap one parameter, n (d + 2) runs for d parameters: total
+    Sobol indices need them."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -82,34 +74,23 @@ class Sampling(Table):
 
 
 class Vary(Table):
-    """A parameter that varies.
-
-    Parameters
-    ----------
-    parameter : str
-        Key of a number in the model, such as "links.rod.material.youngs_modulus", or
-        "effects.NAME.PLACE.PARAMETER", also of an effect that the model has not. A vector without a component
-        varies in each, independently.
-    distribution : {"normal", "lognormal", "uniform", "loguniform", "values"}, optional
-        Left out: normal about the model's value, 1 sigma from its `[uncertainty]`.
-    mean, std : float
-        Of a normal or lognormal value itself; mean defaults to the model's value.
-    low, high : float
-        Ends of a uniform or loguniform distribution.
-    values : list of float
-        Equally probable values.
-    levels : int, optional
-        Of a grid: how many values of a continuous distribution are taken.
-    """
+    """A parameter that varies."""
 
     parameter: str = Field(description='key of a parameter, such as "payloads.load.mass"', min_length=1)
+    """Key of a number in the model, such as "links.rod.material.youngs_modulus", or
+    "effects.NAME.PLACE.PARAMETER", also of an effect that the model has not. A vector without a component
+    varies in each, independently."""
     distribution: Literal["normal", "lognormal", "uniform", "loguniform", "values"] | None = None
+    """Left out: normal about the model's value, 1 sigma from its `[uncertainty]`."""
     mean: Number | None = value_in("SI", "mean", None)
     std: Number | None = value_in("SI", "standard deviation", None, gt=0)
+    """Of a normal or lognormal value itself; mean defaults to the model's value."""
     low: Number | None = value_in("SI", "least value", None)
     high: Number | None = value_in("SI", "greatest value", None)
+    """Ends of a uniform or loguniform distribution."""
     values: Numbers = value_in("SI", "values, equally probable", ())
     levels: Whole | None = Field(None, description="number of values in a grid", ge=1)
+    """Of a grid: how many values of a continuous distribution are taken."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -150,29 +131,13 @@ class Vary(Table):
 
 
 class Keep(Table):
-    """A result that is kept of each run.
-
-    Parameters
-    ----------
-    quantity : str
-        Of a simulation: a quantity that sensors measure (docs/formats.md). Of an equilibrium: position,
-        displacement, joint_torque or link_angle. Of modes: frequency_hz or damping_ratio.
-    name : str, optional
-        Of the variable in the results; default PLACE_QUANTITY.
-    joint, point, link : str, optional
-        Where.
-    side, axes, position, fibre
-        As of a sensor.
-    rate_hz : float, optional
-        Samples a second of a simulation that are kept.
-    statistics : list of "rms", "max", "final"
-        Of the length of the deviation from the nominal run, at every step; of a scalar "final" has a sign.
-    tolerance : float, optional
-        Greatest deviation from the nominal run that is allowed, for the yield.
-    """
+    """A result that is kept of each run."""
 
     quantity: str = Field(description='what is kept, such as "position"', min_length=1)
+    """Of a simulation: a quantity that sensors measure (docs/formats.md). Of an equilibrium: position,
+    displacement, joint_torque or link_angle. Of modes: frequency_hz or damping_ratio."""
     name: Name | None = None
+    """Of the variable in the results; default PLACE_QUANTITY."""
     joint: Name | None = None
     point: Name | None = None
     link: Name | None = None
@@ -180,9 +145,13 @@ class Keep(Table):
     axes: Axes = ()
     position: Number | None = value_in("m", "place along the link", None)
     fibre: Vector2 | None = value_in("m", "fibre [y, z] in the section", None)
+    """As of a sensor."""
     rate_hz: Number | None = value_in("Hz", "samples a second", None, gt=0)
+    """Samples a second of a simulation that are kept."""
     statistics: Annotated[tuple[Statistic, ...], BeforeValidator(_texts)] = ()
+    """Of the length of the deviation from the nominal run, at every step; of a scalar "final" has a sign."""
     tolerance: Number | None = value_in("SI", "greatest deviation that is allowed", None, gt=0)
+    """Greatest deviation from the nominal run that is allowed, for the yield."""
 
     @property
     def place(self) -> str:
@@ -210,41 +179,26 @@ _BELONGS: dict[str, tuple[str, ...]] = {
 
 
 class Study(Table):
-    """A study.
-
-    Parameters
-    ----------
-    run : {"simulate", "static", "modes", "diagnose"}
-        What each sample is.
-    model : str
-        The model's file, from where the study lies, as are all files.
-    drive : str or list of str
-        Of simulations: CSV files or records.
-    records, hold_out : list of str and str
-        Of diagnoses. A word in braces stands for any one folder, in records, hold_out and drive.
-    joints : dict of str to float
-        Drive angles of static and modes, output side [rad, m for a prismatic joint].
-    count : int
-        Number of modes.
-    step, alpha : float
-        Time step [s] and alpha of HHT.
-    max_seconds : float, optional
-        Time that one diagnosis may take [s].
-    sampling, vary, keep
-        The tables of the same names.
-    """
+    """A study."""
 
     format: Literal["flexarm-study/1"] = "flexarm-study/1"
     run: Kind = Field(description="simulate, static, modes or diagnose")
+    """What each sample is: "simulate", "static", "modes", "diagnose"."""
     model: str = Field(description="file of the model", min_length=1)
+    """The model's file, from where the study lies, as are all files."""
     drive: Texts = ()
+    """Of simulations: CSV files or records."""
     records: Texts = ()
     hold_out: str | None = None
+    """Of diagnoses. A word in braces stands for any one folder, in records, hold_out and drive."""
     joints: JointValues = FrozenDict()
+    """Drive angles of static and modes, output side [rad, m for a prismatic joint]."""
     count: Whole = Field(6, description="number of modes", ge=1)
     step: Number = value_in("s", "time step", 2e-3, gt=0)
     alpha: Number = value_in("-", "alpha of the HHT method", -0.05, ge=-1 / 3, le=0)
+    """Time step [s] and alpha of HHT."""
     max_seconds: Number | None = value_in("s", "time of one diagnosis", None, gt=0)
+    """Time that one diagnosis may take [s]."""
     sampling: Sampling | None = None
     vary: tuple[Vary, ...] = ()
     keep: tuple[Keep, ...] = ()

@@ -29,30 +29,20 @@ YEAR = 365.25
 
 @dataclass(frozen=True)
 class Trend:
-    """How one number changes.
-
-    Attributes
-    ----------
-    name, unit : str
-        Of the number.
-    slope, std : float
-        Change a year and its standard error; of times that are no dates, a unit of them.
-    mean : float
-        Mean of all estimates.
-    time, value : ndarray, shape (n,)
-        Estimates and their times, since the first, in years.
-    group : tuple of str
-        Machine of each.
-    """
+    """How one number changes."""
 
     name: str
     unit: str
     slope: float
     std: float
+    """Change a year and its standard error; of times that are no dates, a unit of them."""
     mean: float
+    """Mean of all estimates."""
     time: Floats
     value: Floats
+    """Estimates and their times, since the first, in years, shape (n,)."""
     group: tuple[str, ...]
+    """Machine of each."""
 
     @property
     def score(self) -> float:

@@ -19,24 +19,17 @@ from flexarm.tables.field import COMPONENTS, Nested
 
 @dataclass(frozen=True)
 class Variation:
-    """Numbers of a model that vary.
-
-    Attributes
-    ----------
-    base : Arm
-        The model, with the effects of which parameters vary and that it has not.
-    added : set of (str, str)
-        Names and places of these effects.
-    parameters, paths, distributions, levels : tuple
-        Of each number that varies.
-    """
+    """Numbers of a model that vary."""
 
     base: Arm
+    """The model, with the effects of which parameters vary and that it has not."""
     added: frozenset[tuple[str, str]]
+    """Names and places of these effects."""
     parameters: tuple[Parameter, ...]
     paths: tuple[Path, ...]
     distributions: tuple[Distribution, ...]
     levels: tuple[int | None, ...]
+    """Of each number that varies."""
 
     @property
     def keys(self) -> tuple[str, ...]:

@@ -55,7 +55,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm view run                                see it move, in the browser
 
 Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence), 130 interrupted
-(Ctrl-C), 143 terminated (SIGTERM): nothing is written then.
+(Ctrl-C), 143 terminated (SIGTERM): nothing is left then but output that is whole, which is told.
 """
 
 

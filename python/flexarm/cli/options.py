@@ -65,7 +65,7 @@ MaxSeconds = Annotated[
         "--max-seconds",
         callback=_some_seconds,
         metavar="S",
-        help="Time for all simulations [s]: then the best so far is given, with a note on what was left out.",
+        help="Time after which nothing more is tried [s]; to conclude from what was found takes longer.",
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the output.")]
@@ -156,12 +156,7 @@ def refuse_step(step: float) -> None:
 def blame(file: Path, record: Path | None = None) -> Iterator[None]:
     """Name the file in errors that the library raises about what it holds.
 
-    Parameters
-    ----------
-    file : Path
-        The model.
-    record : Path, optional
-        Blamed instead where the error stands in a table that only records have.
+    The record is blamed instead where the error stands in a table that only records have.
     """
     try:
         yield

@@ -1,7 +1,8 @@
 """Runs a command and turns whatever happens into an exit code and one line on standard error.
 
 0: done. 2: the input is at fault. 3: the numbers are at fault. 130: Ctrl-C, 143: SIGTERM, either of which is
-told, and leaves nothing behind; see `flexarm.termination`. Never a traceback for a user's mistake.
+told, and leaves nothing behind but whole output; see `flexarm.termination`. Never a traceback for a user's
+mistake.
 """
 
 from __future__ import annotations
@@ -16,18 +17,7 @@ INPUT_AT_FAULT, NUMBERS_AT_FAULT, INTERRUPTED = 2, 3, 130
 
 
 def run(arguments: list[str]) -> int:
-    """Run one command.
-
-    Parameters
-    ----------
-    arguments : list of str
-        As on the command line, without the program's name; none shows the help.
-
-    Returns
-    -------
-    int
-        The exit code.
-    """
+    """Run one command, given as on the command line; none shows the help. Return the exit code."""
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "true")  # looking for plugins costs 15 ms
     # Our dense matrices are small: threads that wait for one another cost more than they save.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -13,15 +13,10 @@ SIGNS = {"±": "+-", "µ": "u", "²": "2", "³": "3", "⁴": "4", "–": "-", "�
 
 
 class Patient(TextIOWrapper):
-    """A stream that drops what it cannot write, so that the command goes on and its exit code is right.
-
-    Attributes
-    ----------
-    forgiven : type of OSError
-        What is no error: standard output's reader may go away; standard error tells where nothing else can.
-    """
+    """A stream that drops what it cannot write, so that the command goes on and its exit code is right."""
 
     forgiven: type[OSError] = BrokenPipeError
+    """What is no error: standard output's reader may go away; standard error tells where nothing else can."""
 
     def write(self, text: str, /) -> int:
         """Write, or drop the text and all that follows."""

@@ -25,18 +25,10 @@ CLOCK = "clock"
 
 
 def sensed(run: Simulation, arm: Arm, driven: Iterable[str], seed: int) -> Record:
-    """Return the readings of the sensors of the model in a run.
+    """Return the readings of the sensors of the model in a run, with noise of a seed.
 
-    Parameters
-    ----------
-    run : Simulation
-        The run.
-    arm : Arm
-        Its sensors measure, with noise; without sensors every point's position is stored, one row a step.
-    driven : iterable of str
-        Joints whose drive becomes a joint_angle signal: what an encoder of that name shows, without noise.
-    seed : int
-        Seed of the sensors' noise.
+    Without sensors every point's position is stored, one row a step. The drive of each `driven` joint becomes
+    a joint_angle signal: what an encoder of that name shows, without noise.
     """
     seen = measure(run, arm.sensors, np.random.default_rng(seed)) if arm.sensors else _every_point(run)
     drives = [_drive(run, joint, dict(seen.signals)) for joint in driven]

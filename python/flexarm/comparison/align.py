@@ -48,28 +48,19 @@ FIRM = 1e-12
 
 @dataclass(frozen=True)
 class Alignment:
-    """Hold the result of an alignment.
-
-    Attributes
-    ----------
-    placement : Placement
-        Clocks and frames after it.
-    parameters : tuple of AlignmentParameter
-        Parameters that were estimated.
-    values, std : ndarray
-        Estimates and 1 sigma [s, m, rad], from noise and priors without errors of the model.
-    outliers : dict of str to ndarray of bool, shape (n,)
-        Gross outliers by signal, of signals that have some.
-    effective_parameters : tuple of EffectiveParameters
-        Of each clock and frame.
-    """
+    """Hold the result of an alignment."""
 
     placement: Placement
+    """Clocks and frames after it."""
     parameters: tuple[AlignmentParameter, ...] = ()
+    """Parameters that were estimated."""
     values: Floats | tuple[float, ...] = ()
     std: Floats | tuple[float, ...] = ()
+    """Estimates and 1 sigma [s, m, rad], from noise and priors without errors of the model."""
     outliers: Mapping[str, NDArray[np.bool_]] = field(default_factory=dict)
+    """Gross outliers by signal, of signals that have some, shape (n,)."""
     effective_parameters: tuple[EffectiveParameters, ...] = ()
+    """Of each clock and frame."""
 
     @property
     def beyond_prior(self) -> list[str]:
@@ -94,15 +85,7 @@ class Alignment:
 
 
 def align(simulated: SimulatedRecord, start: Placement) -> Alignment:
-    """Return clocks and frames that minimise (1).
-
-    Parameters
-    ----------
-    simulated : SimulatedRecord
-        Simulation and record.
-    start : Placement
-        Initial guess, close for clocks and frames without a prior.
-    """
+    """Return clocks and frames that minimise (1), from a guess close for those without a prior."""
     parameters = alignment_parameters(simulated, start)
     places = {each.place for each in parameters}
     out = _gross_outliers(simulated, start, places)

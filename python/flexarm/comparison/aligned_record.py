@@ -33,17 +33,10 @@ NEEDS_ROTATIONS = ("orientation", "inclination", "angular_rate", "acceleration")
 
 @dataclass(frozen=True, eq=False)
 class AlignedRecord:
-    """Hold a record, its simulation and their alignment.
-
-    Attributes
-    ----------
-    simulated : SimulatedRecord
-        Simulation and record; its arm carries what the record says.
-    aligned : Alignment
-        Clocks and frames.
-    """
+    """Hold a record, its simulation and their alignment."""
 
     simulated: SimulatedRecord
+    """Simulation and record; its arm carries what the record says."""
     aligned: Alignment
 
     @property

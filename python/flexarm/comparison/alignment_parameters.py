@@ -28,24 +28,17 @@ SEEN_IN_FRAMES = ("position", "orientation")
 
 @dataclass(frozen=True)
 class AlignmentParameter:
-    """Describe one parameter of an alignment.
-
-    Attributes
-    ----------
-    place, kind, axis : str
-        Name of the clock or frame; "delay", "translation" or "rotation"; "", "x", "y" or "z".
-    centre, sigma : float
-        Prior [s, m, rad]; an infinite sigma is no prior.
-    step : float
-        Change for difference quotients.
-    """
+    """Describe one parameter of an alignment."""
 
     place: str
     kind: str
     axis: str
+    """Name of the clock or frame; "delay", "translation" or "rotation"; "", "x", "y" or "z"."""
     centre: float
     sigma: float
+    """Prior [s, m, rad]; an infinite sigma is no prior."""
     step: float
+    """Change for difference quotients."""
 
     @property
     def unit(self) -> str:

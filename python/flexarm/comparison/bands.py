@@ -30,32 +30,19 @@ EVEN = 1e-3
 
 @dataclass(frozen=True)
 class Band:
-    """Hold a band of frequencies and the part of a gap in it.
-
-    Attributes
-    ----------
-    low, high : float
-        Its edges [Hz].
-    rms : float
-        Root of the mean square of the gap's part in the band, all measured directions together.
-    """
+    """Hold a band of frequencies and the part of a gap in it."""
 
     low: float
     high: float
+    """Its edges [Hz]."""
     rms: float
+    """Root of the mean square of the gap's part in the band, all measured directions together."""
 
 
 def band_edges(time: Floats, modes_hz: Sequence[float], inner: Sequence[float] | None = None) -> list[float]:
-    """Return edges [Hz]: half and twice the first mode, between 0 and Nyquist.
+    """Return edges [Hz] of bands: half and twice the first mode, or `inner` ones, between 0 and Nyquist.
 
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        Instants of the samples [s].
-    modes_hz : sequence of float
-        Frequencies of the arm, ascending; empty: the edges are an eighth and a half of Nyquist.
-    inner : sequence of float, optional
-        Edges to use instead, between 0 and Nyquist.
+    Without modes the edges are an eighth and a half of Nyquist.
     """
     if len(time) < 2:
         return []
@@ -71,16 +58,9 @@ def alias(frequency: float, rate: float) -> float:
 
 
 def band_split(time: Floats, values: Floats, edges: Sequence[float]) -> list[Band]:
-    """Return the rms of samples in each band; squares add up to the mean square of the samples.
+    """Return the rms of finite samples, (n, channels), in each band; squares add up to their mean square.
 
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        Rising instants [s].
-    values : ndarray, shape (n, channels)
-        Finite samples.
-    edges : sequence of float
-        Rising edges of the bands [Hz], the first 0, the last Nyquist.
+    Edges [Hz] rise from 0 to Nyquist, as the instants [s] do.
     """
     if len(edges) < 2 or not len(time):
         return []
@@ -89,19 +69,9 @@ def band_split(time: Floats, values: Floats, edges: Sequence[float]) -> list[Ban
 
 
 def band_parts(time: Floats, values: Floats, edges: Sequence[float]) -> tuple[Floats, Floats]:
-    """Split samples into orthogonal parts, one a band.
+    """Split samples into orthogonal parts, (bands, n, channels), which add up to them; as `band_split`.
 
-    Parameters
-    ----------
-    time, values, edges
-        As of `band_split`.
-
-    Returns
-    -------
-    parts : ndarray, shape (bands, n, channels)
-        They add up to `values`.
-    freedoms : ndarray, shape (bands,)
-        Number of cosines (1) of each, which add up to n: white noise has this share of its squares there.
+    The number of cosines (1) of each band adds up to n: white noise has this share of its squares there.
     """
     steps = np.diff(time)
     if len(steps) and np.ptp(steps) < EVEN * steps.min():

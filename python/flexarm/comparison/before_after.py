@@ -13,27 +13,17 @@ if TYPE_CHECKING:
 
 
 class BeforeAfter:
-    """The gap of a nominal and of an updated model.
-
-    Attributes
-    ----------
-    arm, updated : Arm
-        The two models.
-    before, after : dict of str to Comparison
-        By record, held-out ones too: the gap of either, aligned.
-    training, held_out : tuple of str
-        Names of the records.
-    main_signal : str
-        The signal of the report's `gap`.
-    """
+    """The gap of a nominal and of an updated model."""
 
     arm: Arm
     updated: Arm
     before: Mapping[str, Comparison]
     after: Mapping[str, Comparison]
+    """By record, held-out ones too: the gap of either, aligned."""
     training: tuple[str, ...]
     held_out: tuple[str, ...]
     main_signal: str
+    """The signal of the report's `gap`."""
 
     @property
     def unit(self) -> str:
@@ -51,13 +41,5 @@ class BeforeAfter:
         return bool(self.unit)
 
     def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
-        """Totals of a signal before and after, pooled over records.
-
-        Parameters
-        ----------
-        records : iterable of str
-            Their names, such as `training` or `held_out`.
-        signal : str, optional
-            Which one; default: the main signal.
-        """
+        """Return totals of a signal (default: the main one) before and after, pooled over records."""
         return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)

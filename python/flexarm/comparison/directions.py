@@ -35,21 +35,8 @@ def joint_directions(
 ) -> dict[str, Floats] | None:
     """Return tangential, radial and normal (1)-(2) at the point's rigid positions, each of shape (n, 3).
 
-    Parameters
-    ----------
-    arm : Arm
-        The arm.
-    joint : str
-        The joint that moves.
-    point : str
-        The point that is seen.
-    values : dict of str to ndarray, shape (n,)
-        Drive angles [rad] of the joint, and of joints that stand.
-
-    Returns
-    -------
-    dict or None
-        None if the joint slides, does not carry the point, or the point lies on its axis.
+    `values` are drive angles [rad] of the joint, shape (n,), and of joints that stand. None if the joint
+    slides, does not carry the point, or the point lies on its axis.
     """
     moving = arm.joint(joint)
     place = arm.point(point)
@@ -70,23 +57,9 @@ def joint_directions(
 def project(
     residual: Floats, axes: Sequence[str] | None, frame: Registration, directions: Mapping[str, Floats]
 ) -> dict[str, Floats | None]:
-    """Project a measured residual on directions given in the base.
+    """Project a measured residual, (n, axes) in a frame's axes, on unit vectors, (n, 3), given in the base.
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n, axes)
-        In the axes of the frame of measurement.
-    axes : sequence of "x", "y", "z"
-        Which of them were measured; None: all.
-    frame : Registration
-        Turns the frame's axes into the base's.
-    directions : dict of str to ndarray, shape (n, 3)
-        Unit vectors in the base.
-
-    Returns
-    -------
-    dict of str to ndarray, shape (n,), or None
-        None where the measured axes do not span the direction.
+    `axes` names those that were measured; None: all. A direction that they do not span gives None.
     """
     measured = (frame.error_rotation.T @ frame.frame_axes)[:, columns(axes)]
     found: dict[str, Floats | None] = {}

@@ -22,23 +22,14 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class EffectiveParameters:
-    """Hold the effective parameters of a clock or frame.
-
-    Attributes
-    ----------
-    name : str
-        Of the clock or frame.
-    count : float
-        p of (1).
-    readings : int
-        Values of its signals that counted.
-    signals : tuple of str
-        Their names.
-    """
+    """Hold the effective parameters of a clock or frame."""
 
     name: str
+    """Of the clock or frame."""
     count: float
+    """p of (1)."""
     readings: int
+    """Values of its signals that counted."""
     signals: tuple[str, ...]
 
     @property

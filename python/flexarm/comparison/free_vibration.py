@@ -55,16 +55,9 @@ def rings_freely(record: Record) -> bool:
 
 
 def simulate_free_vibration(arm: Arm, record: Record, step: float) -> StateSnapshots:
-    """Return the free vibration (1) of a model that is nearest to a record, by (2).
+    """Return the free vibration (1) of a model that is nearest to a record, by (2), at a time step [s].
 
-    Parameters
-    ----------
-    arm : Arm
-        The model with what the record says.
-    record : Record
-        Without a drive, `initial = "moving"`.
-    step : float
-        From one instant of the result to the next [s].
+    The record has no drive and `initial = "moving"`.
 
     Raises
     ------
@@ -99,22 +92,15 @@ def _usable(pair: SimulatedRecord) -> Iterator[Signal]:
 
 @dataclass(frozen=True, eq=False)
 class _Channels:
-    """A signal over its noise, and what it shows of each state.
-
-    Attributes
-    ----------
-    time, gap : ndarray, shapes (n,) and (n, channels)
-        Instants [s], and readings less those of the equilibrium, over the noise; NaN where there are none.
-    by_state : ndarray, shape (channels, state)
-        C of (2) over the noise.
-    nyquist : float
-        Half the sampling rate [Hz].
-    """
+    """A signal over its noise, and what it shows of each state."""
 
     time: Floats
     gap: Floats
+    """Instants [s], and readings less those of the equilibrium, over the noise; NaN where there are none."""
     by_state: Floats
+    """C of (2) over the noise, shape (channels, state)."""
     nyquist: float
+    """Half the sampling rate [Hz]."""
 
     @classmethod
     def of(cls, pair: SimulatedRecord, signal: Signal, placement: Placement, motion: FreeMotion) -> _Channels:
@@ -136,18 +122,11 @@ class _Channels:
 
 @dataclass(frozen=True)
 class _Hats:
-    """Hats B_w of (1): squares of cosines, the first and the last one go on at the ends.
-
-    Attributes
-    ----------
-    start, spacing : float
-        Of the first top, and from one to the next [s].
-    count : int
-        Number of hats.
-    """
+    """Hats B_w of (1): squares of cosines, the first and the last one go on at the ends."""
 
     start: float
     spacing: float
+    """Of the first top, and from one to the next [s]."""
     count: int
 
     @classmethod

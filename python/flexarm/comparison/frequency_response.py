@@ -43,33 +43,23 @@ PORTS = {"force": "force", "motor_torque": "torque", "joint_angle": "acceleratio
 
 @dataclass(frozen=True, eq=False)
 class ResponseGap:
-    """The gap (1) of one signal.
-
-    Attributes
-    ----------
-    name, input, unit : str
-        Of the signal, the signal it is a response to, output per input in SI.
-    channels : tuple of str
-        Axes; "total" of a scalar.
-    frequency_hz : ndarray, shape (n,)
-        Of the rows with values.
-    measured, model : ndarray, shape (n, channels)
-        H of (1).
-    noise : ndarray, shape (n, channels)
-        1 sigma of real and imaginary part; NaN where nothing is stated.
-    bands : tuple of Band
-        The part of the gap below, about and above the first mode.
-    """
+    """The gap (1) of one signal."""
 
     name: str
     input: str
     unit: str
+    """Of the signal, the signal it is a response to, output per input in SI."""
     channels: tuple[str, ...]
+    """Axes; "total" of a scalar."""
     frequency_hz: Floats
+    """Of the rows with values, shape (n,)."""
     measured: Complex
     model: Complex
+    """H of (1), shape (n, channels)."""
     noise: Floats
+    """1 sigma of real and imaginary part; NaN where nothing is stated, shape (n, channels)."""
     bands: tuple[Band, ...] = ()
+    """The part of the gap below, about and above the first mode."""
 
     @property
     def rms(self) -> dict[str, float]:
@@ -120,25 +110,17 @@ class ResponseGap:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ResponseComparison:
-    """Hold the gap between a model and a record of frequency responses.
-
-    Attributes
-    ----------
-    arm, record : str
-        Name of the model, description of the record.
-    signals : dict of str to ResponseGap
-        The gap of every response.
-    modes_hz : tuple of float
-        Lowest frequencies of the arm with its drives held [Hz].
-    notes : tuple of str
-        What the reader should know.
-    """
+    """Hold the gap between a model and a record of frequency responses."""
 
     arm: str
     record: str
+    """Name of the model, description of the record."""
     signals: Mapping[str, ResponseGap]
+    """The gap of every response."""
     modes_hz: tuple[float, ...] = ()
+    """Lowest frequencies of the arm with its drives held [Hz]."""
     notes: tuple[str, ...] = ()
+    """What the reader should know."""
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the object of `flexarm compare --json`."""
@@ -170,15 +152,7 @@ class ResponseComparison:
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
-        """Plot the size of a measured response and the model's over frequency.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Where to draw.
-        signal : str, optional
-            Name of the signal; default: the first.
-        """
+        """Plot the size of a measured response and the model's over frequency; default: the first signal."""
         import matplotlib.pyplot as plt
 
         axes = plt.subplots()[1] if ax is None else ax

@@ -31,42 +31,30 @@ JITTER_STEP = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class SignalGap:
-    """Hold the residual of one signal and its measures.
-
-    Attributes
-    ----------
-    name, quantity, unit : str
-        The signal; the unit is that of the residual.
-    time : ndarray, shape (n,)
-        Instants in the simulation's time [s], or numbers of poses.
-    parts : dict of str to ndarray, shape (n,), or None
-        Residual along each direction; None where it was not measured. Scalars have "total" only.
-    rms, max : dict of str to float or None
-        Of the parts, and of all measured channels together ("total": eq. (1), greatest length).
-    bands : tuple of Band
-        Of the total.
-    noise_rms : float or None
-        Eq. (2); None where no noise is stated.
-    is_drive : bool
-        True if the signal drives the simulation: its gap says nothing about the model.
-    removed : int
-        Number of rows that an effect `outliers` of the model explains.
-    gross : tuple of int
-        Other rows that are outliers and count in nothing, from 0.
-    """
+    """Hold the residual of one signal and its measures."""
 
     name: str
     quantity: str
     unit: str
+    """The signal; the unit is that of the residual."""
     time: Floats
+    """Instants in the simulation's time [s], or numbers of poses, shape (n,)."""
     parts: Mapping[str, Floats | None]
+    """Residual along each direction; None where it was not measured. Scalars have "total" only, shape
+    (n,)."""
     rms: Mapping[str, float | None]
     max: Mapping[str, float | None]
+    """Of the parts, and of all measured channels together ("total": eq. (1), greatest length)."""
     bands: tuple[Band, ...]
+    """Of the total."""
     noise_rms: float | None
+    """Eq. (2); None where no noise is stated."""
     is_drive: bool = False
+    """True if the signal drives the simulation: its gap says nothing about the model."""
     removed: int = 0
+    """Number of rows that an effect `outliers` of the model explains."""
     gross: tuple[int, ...] = ()
+    """Other rows that are outliers and count in nothing, from 0."""
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the signal's object of `compare --json`."""
@@ -88,24 +76,10 @@ def signal_gap(
     edges: Sequence[float] | None = None,
     gross: NDArray[np.bool_] | None = None,
 ) -> SignalGap:
-    """Compute the gap of a signal.
+    """Compute the gap of a signal, given clocks and frames.
 
-    Parameters
-    ----------
-    simulated : SimulatedRecord
-        Simulation and record.
-    signal : Signal
-        One of its signals.
-    placement : Placement
-        Clocks and frames.
-    joint : str or None
-        The one joint that moves; None: several.
-    modes_hz : sequence of float
-        Frequencies of the arm [Hz], for the bands.
-    edges : sequence of float, optional
-        Inner edges of the bands [Hz] instead.
-    gross : ndarray of bool, shape (n,), optional
-        Rows to leave out as gross outliers.
+    `joint` is the one joint that moves; None: several. `modes_hz` set the bands, or `edges` [Hz] inside the
+    range do. Rows in `gross`, bool of shape (n,), are left out as outliers.
     """
     instants, residual = simulated.instants(signal, placement), simulated.residual(signal, placement)
     out = simulated.outliers(signal, residual)

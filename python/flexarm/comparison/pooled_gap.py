@@ -20,23 +20,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PooledGap:
-    """Totals of a signal [its unit]; None where no record holds it, or no noise is stated.
-
-    Attributes
-    ----------
-    before_rms, after_rms : float or None
-        Eq. (1) of the nominal and of the updated model.
-    noise_rms : float or None
-        Gap that a model without an error would leave.
-    before_max, after_max : float or None
-        Greatest gap.
-    """
+    """Totals of a signal [its unit]; None where no record holds it, or no noise is stated."""
 
     before_rms: float | None = None
     after_rms: float | None = None
+    """Eq. (1) of the nominal and of the updated model."""
     noise_rms: float | None = None
+    """Gap that a model without an error would leave."""
     before_max: float | None = None
     after_max: float | None = None
+    """Greatest gap."""
 
 
 def pooled_gap(

@@ -71,12 +71,7 @@ class PoseOutliers:
 def pose_outliers(simulated: SimulatedRecord, start: Placement) -> dict[str, PoseOutliers]:
     """Return outliers of a static record by signal, of those that have some.
 
-    Parameters
-    ----------
-    simulated : SimulatedRecord
-        Simulation and record.
-    start : Placement
-        Frames as stated; those of which nothing is stated are fitted here.
+    Frames are as stated in `start`; those of which nothing is stated are fitted here.
     """
     found: dict[str, PoseOutliers] = {}
     for _ in range(FRAMES):
@@ -137,14 +132,7 @@ def _repeated(values: Floats, noise: float) -> NDArray[np.bool_]:
 def prediction_residuals(columns: Floats, gap: Floats, noise: Floats) -> tuple[Floats, Floats]:
     """Return PRESS residuals (2) and their standard deviations, shapes (n, channels).
 
-    Parameters
-    ----------
-    columns : ndarray, shape (n, channels, k)
-        A of (1).
-    gap : ndarray, shape (n, channels)
-        y of (1).
-    noise : ndarray, shape (channels,)
-        1 sigma of the readings.
+    A of (1) has the shape (n, channels, k), y (n, channels), and the noise of the readings (channels,).
     """
     least = max(float(np.max(noise)), TINY * float(np.max(np.abs(gap))), np.finfo(float).tiny)
     weight, scale = np.zeros(len(gap)), max(least, float(np.median(np.abs(gap))) / 0.6745)

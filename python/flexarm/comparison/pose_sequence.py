@@ -28,15 +28,15 @@ SEEN = ("position", "rotation", "link_angle", "joint_torque", "section_forces")
 
 @dataclass(frozen=True, eq=False)
 class PoseSequence(StateSnapshots):
-    """Hold equilibria of an arm, one a pose, at rest; torques are the drives', output side [N m].
-
-    Attributes
-    ----------
-    sensitivities : Sensitivities or None
-        Derivatives of the arrays by parameters of the model; of those that are zero at rest there are none.
-    """
+    """Hold equilibria of an arm, one a pose, at rest; torques are the drives', output side [N m]."""
 
     sensitivities: Sensitivities | None = None
+    """Derivatives of the arrays by parameters of the model; of those that are zero at rest there are none."""
+
+    @property
+    def joint_torque(self) -> Floats:
+        """Torques at the joints [N m], as of a `Simulation`."""
+        return self.motor_torque
 
 
 def sequence(arm: Arm, found: Sequence[StaticSolution]) -> PoseSequence:

@@ -42,16 +42,7 @@ def is_input(record: Record, signal: Signal) -> bool:
 
 
 def solve_poses(arm: Arm, record: Record, *, sensitivities: Iterable[str] = ()) -> PoseSequence:
-    """Solve the equilibrium of every pose of a static record.
-
-    Parameters
-    ----------
-    arm : Arm
-        The model, with what the record says it carried.
-    record : Record
-        Its poses.
-    sensitivities : iterable of str
-        Keys of parameters of the derivatives, as in `simulate`.
+    """Solve the equilibrium of every pose of a static record, with derivatives as in `simulate`.
 
     Raises
     ------
@@ -188,6 +179,28 @@ def _force_derivatives(model: _StaticModel, parameter: Parameter) -> dict[str, F
         name: np.array([a.arrays[name] - b.arrays[name] for a, b in zip(*sides, strict=True)]) / (up - down)
         for name in model.differentiated
     }
+
+
+def with_turned(record: Record, joint: str, angles: Floats) -> Record:
+    """Return a record whose poses turn the motor of a joint further, by `angles` of shape (poses,) [rad]."""
+    drives = [record.signals[name] for name in record.drive if record.signals[name].joint == joint]
+    if not drives:  # it stands where the record says
+        from flexarm.record import Signal
+
+        name = joint
+        while name in record.signals:
+            name += "_"
+        values = record.joints.get(joint, 0.0) + angles
+        stands = Signal(
+            name=name, quantity="joint_angle", joint=joint, pose=np.array(record.poses), values=values
+        )
+        return record.replace(signals={**record.signals, name: stands}, drive=(*record.drive, name))
+    number = pose_numbers(record)
+    turned = {
+        each.name: each.replace(values=each.values + angles[number[each.name].astype(int), None])
+        for each in drives
+    }
+    return record.replace(signals={**record.signals, **turned})
 
 
 def pose_numbers(record: Record) -> dict[str, Floats]:

@@ -56,33 +56,24 @@ class Placement:
 
 @dataclass(frozen=True)
 class SimulatedRecord:
-    """Hold a record with its simulation.
-
-    Attributes
-    ----------
-    simulation : Simulation
-        The motion, or a sequence of poses whose time is the number of the pose.
-    record : Record
-        Measured data.
-    stamps : dict of str to ndarray, shape (n,)
-        Stamp of every row, by signal: its time, or the number of its pose.
-    signals : dict of str to Signal
-        Those that the simulation predicts.
-    skipped : dict of str to str
-        Why the others are not compared.
-    arm : Arm
-        The model whose effects on sensors, clocks and frames count.
-    motions : dict of str to tuple, optional
-        Last instants of each signal and its readings in the base there, where many frames are tried.
-    """
+    """Hold a record with its simulation."""
 
     simulation: Any
+    """The motion, or a sequence of poses whose time is the number of the pose."""
     record: Record
     stamps: Mapping[str, Floats]
+    """Stamp of every row, by signal: its time, or the number of its pose, shape (n,)."""
     signals: Mapping[str, Signal]
+    """Those that the simulation predicts."""
     skipped: Mapping[str, str]
+    """Why the others are not compared."""
     arm: Any
+    """The model whose effects on sensors, clocks and frames count."""
     motions: dict[str, tuple[Floats, Floats]] | None = field(default=None, compare=False, repr=False)
+    """Last instants of each signal and its readings in the base there, where many frames are tried."""
+    _effects: dict[tuple[str, str, str], SensorEffects] = field(
+        init=False, default_factory=dict, compare=False, repr=False
+    )
 
     @property
     def evidence(self) -> dict[str, Signal]:
@@ -91,7 +82,10 @@ class SimulatedRecord:
 
     def effects(self, signal: Signal) -> SensorEffects:
         """Return effects of the model on a signal."""
-        return effects_of(self.arm, signal)
+        key = (signal.name, signal.clock, signal.frame)
+        if key not in self._effects:
+            self._effects[key] = effects_of(self.arm, signal)
+        return self._effects[key]
 
     def clock(self, signal: Signal, placement: Placement) -> ClockError:
         """Return the clock of a signal with effects of the model; poses have none."""
@@ -174,18 +168,8 @@ def pair_record(
 ) -> SimulatedRecord:
     """Pair a record with a simulation: its predicted signals, and reasons for the others.
 
-    Parameters
-    ----------
-    simulation : Simulation
-        The motion.
-    record : Record
-        Measured data.
-    stamps : dict, optional
-        Stamps by signal; default: their times.
-    inputs : dict of str to str, optional
-        Signals not to be compared, and why.
-    arm : Arm, optional
-        The model whose effects on sensors, clocks and frames count; default: that of the simulation.
+    `stamps` by signal are by default their times, and `inputs` says why signals are not compared. `arm` is
+    the model whose effects on sensors, clocks and frames count; default: that of the simulation.
     """
     stamps = {name: signal.time for name, signal in record.signals.items()} if stamps is None else stamps
     kept: dict[str, Signal] = {}

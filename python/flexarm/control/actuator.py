@@ -25,20 +25,14 @@ from flexarm.control.dual import Real, between
 
 @dataclass(frozen=True)
 class VoltageDrive:
-    """A motor on a voltage, eq. (1).
-
-    Attributes
-    ----------
-    torque_per_volt, back_emf : float or Dual
-        a [N m/V] and c [N m s/rad].
-    greatest_voltage, greatest_torque : float or Dual
-        [V] and, output-referred, [N m].
-    """
+    """A motor on a voltage, eq. (1)."""
 
     torque_per_volt: Real
     back_emf: Real
+    """a [N m/V] and c [N m s/rad]."""
     greatest_voltage: Real
     greatest_torque: Real
+    """[V] and, output-referred, [N m]."""
 
     @classmethod
     def of(cls, motor: Motor, joint: Joint) -> VoltageDrive:
@@ -61,18 +55,12 @@ class VoltageDrive:
 
 @dataclass(frozen=True)
 class TorqueDrive:
-    """A motor on a current loop much faster than a sample: it gives the torque that is asked for.
-
-    Attributes
-    ----------
-    greatest_torque : float or Dual
-        Of controller and motor, output-referred [N m].
-    motor : VoltageDrive, optional
-        Without a motor in the model no voltage is known.
-    """
+    """A motor on a current loop much faster than a sample: it gives the torque that is asked for."""
 
     greatest_torque: Real
+    """Of controller and motor, output-referred [N m]."""
     motor: VoltageDrive | None = None
+    """Without a motor in the model no voltage is known."""
     back_emf: ClassVar[float] = 0.0
 
     @classmethod
@@ -109,17 +97,7 @@ def actuator_of(arm: Arm, controller: Controller) -> Actuator:
 
 
 def differentiated(drive: _A, pairs: Sequence[tuple[_A, _A]], spreads: Sequence[float]) -> _A:
-    """Return the drive with the derivatives of its numbers.
-
-    Parameters
-    ----------
-    drive : VoltageDrive or TorqueDrive
-        Of the model.
-    pairs : sequence of (VoltageDrive or TorqueDrive)
-        For each parameter those of the models with a little more and a little less of it.
-    spreads : sequence of float
-        By how much the two values of each parameter differ.
-    """
+    """Return a drive with the derivatives of its numbers, as `flexarm.control.dual.between` takes pairs."""
     numbers: dict[str, Real | VoltageDrive] = {}
     for field in fields(drive):
         value = getattr(drive, field.name)

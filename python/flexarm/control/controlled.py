@@ -28,21 +28,13 @@ from flexarm.simulation.prepared import motions
 
 @dataclass(frozen=True)
 class ControlledArm:
-    """An arm, its drive, and the controllers of its commanded joints.
-
-    Attributes
-    ----------
-    arm : Arm
-        The model.
-    drive : Drive
-        Of all driven joints.
-    controllers : dict of str to Controller
-        By the name of the joint.
-    """
+    """An arm, its drive, and the controllers of its commanded joints."""
 
     arm: Arm
     drive: Drive
+    """Of all driven joints."""
     controllers: Mapping[str, Controller]
+    """By the name of the joint."""
 
     @classmethod
     def of(cls, arm: Arm, drive: Drive) -> ControlledArm:

@@ -135,16 +135,9 @@ class Differentiation:
     def collected(
         self, run: Simulation, derivatives: _core.Transient, voltage_slopes: Floats
     ) -> Sensitivities:
-        """Return the derivatives of a run's arrays.
+        """Return the derivatives of a run's arrays, which has torques of the motors, voltages and commands.
 
-        Parameters
-        ----------
-        run : Simulation
-            With torques of the motors, voltages and commands.
-        derivatives : Transient
-            Of the core's columns.
-        voltage_slopes : ndarray, shape (instant, joint, parameter)
-            Derivatives of the voltages.
+        `derivatives` are the core's columns, `voltage_slopes` have the shape (instant, joint, parameter).
         """
         arrays = derived(run, derivatives, len(self._places))
         arrays["motor_torque"] = arrays["motor_torque"].copy()

@@ -100,16 +100,10 @@ def slopes_of(number: Real, count: int) -> Floats:
 
 
 def between(value: float, pairs: Sequence[tuple[float, float]], spreads: Sequence[float]) -> Real:
-    """Return a number with its derivatives by finite differences.
+    """Return a number with its derivatives by finite differences; an infinite one has none.
 
-    Parameters
-    ----------
-    value : float
-        The number; an infinite one has no derivatives.
-    pairs : sequence of (float, float)
-        For each parameter what it is with a little more and a little less of it.
-    spreads : sequence of float
-        By how much the two values of each parameter differ.
+    For each parameter a pair is what the number is with a little more and a little less of it, and a spread
+    by how much the two values of the parameter differ.
     """
     if not isfinite(value) or all(plus == minus for plus, minus in pairs):
         return value

@@ -16,21 +16,14 @@ from flexarm.errors import InvalidParameter
 
 @dataclass(frozen=True)
 class SampleGrid:
-    """The sample instants of controllers, and the equal steps in between.
-
-    Attributes
-    ----------
-    tick : float
-        Shortest sample time [s].
-    every : dict of str to int
-        Ticks from sample to sample, by joint.
-    substeps : int
-        Steps in a tick.
-    """
+    """The sample instants of controllers, and the equal steps in between."""
 
     tick: float
+    """Shortest sample time [s]."""
     every: Mapping[str, int]
+    """Ticks from sample to sample, by joint."""
     substeps: int
+    """Steps in a tick."""
 
     @classmethod
     def of(cls, controllers: Mapping[str, Controller], longest: float) -> SampleGrid:

@@ -18,20 +18,14 @@ from flexarm.control.dual import Real
 
 @dataclass(frozen=True)
 class Reading:
-    """The readings of a controller at a sample.
-
-    Attributes
-    ----------
-    angle, rate : float or Dual
-        φ [rad] and φ' [rad/s], output-referred.
-    deflection, deflection_rate : float or Dual
-        d [m] and its rate [m/s]; 0 where none is measured.
-    """
+    """The readings of a controller at a sample."""
 
     angle: Real
     rate: Real
+    """φ [rad] and φ' [rad/s], output-referred."""
     deflection: Real = 0.0
     deflection_rate: Real = 0.0
+    """d [m] and its rate [m/s]; 0 where none is measured."""
 
 
 class CascadeLaw:

@@ -25,22 +25,15 @@ MOST = 999_999_999
 
 @dataclass
 class Card:
-    """One card.
-
-    Attributes
-    ----------
-    name : str
-        Capitals, without `*` and `_` at its end.
-    fields : list of str
-        What follows the name, blanks stripped; an empty field is a default.
-    file, line : Path, int
-        Where it begins.
-    """
+    """One card."""
 
     name: str
+    """Capitals, without `*` and `_` at its end."""
     fields: list[str]
+    """What follows the name, blanks stripped; an empty field is a default."""
     file: Path
     line: int
+    """Where it begins."""
 
     def error(self, what: str) -> InvalidFile:
         """Return an error at this card."""

@@ -20,25 +20,17 @@ from flexarm.reading import Includes, any_text
 
 @dataclass
 class Keyword:
-    """One keyword.
-
-    Attributes
-    ----------
-    name : str
-        Capitals, one blank between words.
-    parameters : dict
-        Name in capitals -> value, empty for a flag.
-    rows : list of (line, values)
-        Data, blanks and quotes stripped; a comma at the end of a row leaves an empty last value.
-    file, line : Path, int
-        Where it stands.
-    """
+    """One keyword."""
 
     name: str
+    """Capitals, one blank between words."""
     parameters: dict[str, str]
+    """Name in capitals -> value, empty for a flag."""
     file: Path
     line: int
+    """Where it stands."""
     rows: list[tuple[int, list[str]]] = field(default_factory=list)
+    """Data, blanks and quotes stripped; a comma at the end of a row leaves an empty last value."""
 
     def error(self, what: str, line: int | None = None) -> InvalidFile:
         """Return an error at this keyword, or at a line of its data."""

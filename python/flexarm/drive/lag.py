@@ -72,15 +72,7 @@ def _late(drive: Drive, effects: dict[str, DriveEffect]) -> Drive:
 
 
 def lagged(drive: JointDrive, delay: float, time_constant: float) -> JointDrive:
-    """Return the response (1) to a drive.
-
-    Parameters
-    ----------
-    drive : JointDrive
-        u.
-    delay, time_constant : float
-        D and tau [s], not negative.
-    """
+    """Return the response (1) to a drive u, with D and tau [s] that are not negative."""
     drive = replace(drive, breaks=drive.breaks + delay)
     if not time_constant > 0:
         return drive

@@ -24,12 +24,7 @@ if TYPE_CHECKING:
 class Backlash(Effect):
     """A gap between motor and link.
 
-    Parameters
-    ----------
-    at : str
-        The joint; it has a joint_compliance.
-    gap : float
-        b of (1), full width at the output [rad]; m for a prismatic joint.
+    `gap` is b of (1).
     """
 
     name: ClassVar[str] = "backlash"

@@ -30,15 +30,8 @@ if TYPE_CHECKING:
 class BaseCompliance(SpringEffect):
     """Linear spring and damper under the base.
 
-    Parameters
-    ----------
-    at : str
-        "base".
-    stiffness : float or (2,)
-        k of (1) about the first joint's axis, or about the base's x and y [N m/rad]; 1e12 about one of the
-        two is rigid. Left out: infinite, so without effect.
-    damping : float or (2,)
-        c of (1) [N m s/rad], one number for both axes or two; default 0.
+    `stiffness` is k of (1) about the first joint's axis, or about the base's x and y; 1e12 about one of the
+    two is rigid. `damping` is c, one number for both axes or two.
     """
 
     name: ClassVar[str] = "base_compliance"

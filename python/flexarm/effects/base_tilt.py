@@ -25,12 +25,7 @@ if TYPE_CHECKING:
 class BaseTilt(Effect):
     """Tilt of the base.
 
-    Parameters
-    ----------
-    at : str
-        "base".
-    angle : (2,)
-        Rotation vector of (1), about the base's x and y [rad].
+    `angle` is the rotation vector of (1).
     """
 
     name: ClassVar[str] = "base_tilt"

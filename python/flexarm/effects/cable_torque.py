@@ -23,14 +23,7 @@ if TYPE_CHECKING:
 class CableTorque(Effect):
     """A spring of the cables at the output.
 
-    Parameters
-    ----------
-    at : str
-        The joint.
-    stiffness : float
-        k_c of (1) [N m/rad]; N/m for a prismatic joint.
-    rest_angle : float
-        theta_r of (1) [rad].
+    `stiffness` is k_c and `rest_angle` theta_r of (1).
     """
 
     name: ClassVar[str] = "cable_torque"

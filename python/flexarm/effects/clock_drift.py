@@ -20,12 +20,7 @@ if TYPE_CHECKING:
 class ClockDrift(ClockEffect):
     """Drift of the stamps of a signal or of a clock.
 
-    Parameters
-    ----------
-    at : str
-        The signal or clock.
-    rate : float
-        Of (1) [s/s]; positive: the clock is fast.
+    `rate` is that of (1); positive where the clock is fast.
     """
 
     name: ClassVar[str] = "clock_drift"

@@ -25,14 +25,7 @@ if TYPE_CHECKING:
 class CoulombFriction(FrictionEffect):
     """Dry friction at the output bearing.
 
-    Parameters
-    ----------
-    at : str
-        The joint.
-    torque : float
-        T_c of (1) [N m].
-    width, creep_rate, drop, stribeck_rate : float
-        Shape, of `FrictionEffect` [rad, rad/s, -, rad/s].
+    `torque` is T_c of (1); the other parameters are the shape of `FrictionEffect`.
     """
 
     name: ClassVar[str] = "coulomb_friction"

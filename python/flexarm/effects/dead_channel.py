@@ -19,17 +19,7 @@ if TYPE_CHECKING:
 
 
 class DeadChannel(ChannelEffect):
-    """Channels that hold one value, without noise.
-
-    Parameters
-    ----------
-    at : str
-        The signal.
-    channels : list of str
-        Which; left out: all.
-    value : float
-        What they show [SI unit of the signal]; default 0.
-    """
+    """Channels that hold one value, without noise."""
 
     name: ClassVar[str] = "dead_channel"
     competes = False

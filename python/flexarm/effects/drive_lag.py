@@ -26,14 +26,7 @@ if TYPE_CHECKING:
 class DriveLag(DriveEffect):
     """First-order lag and delay between a drive and its joint.
 
-    Parameters
-    ----------
-    at : str
-        The joint.
-    delay : float
-        D of (1) [s]; default 0.
-    time_constant : float
-        tau of (1) [s]; default 0.
+    `delay` is D and `time_constant` tau of (1).
     """
 
     name: ClassVar[str] = "drive_lag"

@@ -24,15 +24,7 @@ if TYPE_CHECKING:
 
 
 class EncoderEccentricity(WaveEffect, SignalEffect):
-    """Eccentricity of an encoder, once per output turn.
-
-    Parameters
-    ----------
-    at : str
-        The signal, a joint angle.
-    amplitude, phase : float
-        Of (1) [rad].
-    """
+    """Eccentricity of an encoder, once per output turn."""
 
     name: ClassVar[str] = "encoder_eccentricity"
     quantities = ("joint_angle",)

@@ -27,17 +27,7 @@ if TYPE_CHECKING:
 
 
 class EncoderHarmonics(WaveEffect, SignalEffect):
-    """Error of an encoder several times per output turn.
-
-    Parameters
-    ----------
-    at : str
-        The signal, a joint angle.
-    order : float
-        Periods per output turn, of (1) [-].
-    amplitude, phase : float
-        Of (1) [rad].
-    """
+    """Error of an encoder several times per output turn."""
 
     name: ClassVar[str] = "encoder_harmonics"
     quantities = ("joint_angle",)

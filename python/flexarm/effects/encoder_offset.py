@@ -19,12 +19,7 @@ if TYPE_CHECKING:
 class EncoderOffset(SignalEffect):
     """Offset of an encoder.
 
-    Parameters
-    ----------
-    at : str
-        The signal, a joint angle.
-    offset : float
-        Of (1) [rad], output-referred; m for a prismatic joint.
+    The offset is output-referred.
     """
 
     name: ClassVar[str] = "encoder_offset"

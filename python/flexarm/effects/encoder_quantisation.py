@@ -23,15 +23,7 @@ if TYPE_CHECKING:
 
 
 class EncoderQuantisation(SignalEffect):
-    """Quantisation of an encoder.
-
-    Parameters
-    ----------
-    at : str
-        The signal, a joint angle.
-    step : float
-        Of (1) [rad], output-referred; 0: none.
-    """
+    """Quantisation of an encoder."""
 
     name: ClassVar[str] = "encoder_quantisation"
     competes = False

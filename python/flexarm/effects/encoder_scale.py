@@ -17,15 +17,7 @@ if TYPE_CHECKING:
 
 
 class EncoderScale(SignalEffect):
-    """Scale of an encoder.
-
-    Parameters
-    ----------
-    at : str
-        The signal, a joint angle.
-    scale : float
-        Of (1) [-].
-    """
+    """Scale of an encoder."""
 
     name: ClassVar[str] = "encoder_scale"
     quantities = ("joint_angle",)

@@ -27,12 +27,7 @@ if TYPE_CHECKING:
 class ExternalVibration(WaveEffect):
     """Harmonic moment on a compliant base.
 
-    Parameters
-    ----------
-    at : str
-        "base".
-    amplitude, frequency, phase : float
-        A [N m], f [Hz] and p [rad] of (1).
+    `amplitude` is A, `frequency` f and `phase` p of (1).
     """
 
     name: ClassVar[str] = "external_vibration"

@@ -20,15 +20,7 @@ if TYPE_CHECKING:
 
 
 class FrameDrift(FrameEffect):
-    """Drift of a frame.
-
-    Parameters
-    ----------
-    at : str
-        The frame.
-    velocity : (3,)
-        Of (1) [m/s].
-    """
+    """Drift of a frame."""
 
     name: ClassVar[str] = "frame_drift"
     in_motion = ("velocity",)

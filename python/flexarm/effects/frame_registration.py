@@ -22,14 +22,7 @@ if TYPE_CHECKING:
 class FrameRegistration(FrameEffect):
     """Error of the registration of a frame.
 
-    Parameters
-    ----------
-    at : str
-        The frame.
-    translation : (3,)
-        Of (1) [m].
-    rotation : (3,)
-        Rotation vector of (1) [rad].
+    `rotation` is a rotation vector.
     """
 
     name: ClassVar[str] = "frame_registration"

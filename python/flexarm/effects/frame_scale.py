@@ -20,15 +20,7 @@ if TYPE_CHECKING:
 
 
 class FrameScale(FrameEffect):
-    """Scale of all positions that are seen in a frame.
-
-    Parameters
-    ----------
-    at : str
-        The frame.
-    scale : float
-        Of (1) [-].
-    """
+    """Scale of all positions that are seen in a frame."""
 
     name: ClassVar[str] = "frame_scale"
     sees = ("position",)

@@ -23,12 +23,7 @@ if TYPE_CHECKING:
 class GearRatio(Effect):
     """Scale of the gear ratio.
 
-    Parameters
-    ----------
-    at : str
-        The joint.
-    scale : float
-        s of (1), true over nominal ratio [-].
+    `scale` is s of (1).
     """
 
     name: ClassVar[str] = "gear_ratio"

@@ -23,14 +23,7 @@ if TYPE_CHECKING:
 class JointCompliance(SpringEffect):
     """Linear spring and damper between motor and link, output side.
 
-    Parameters
-    ----------
-    at : str
-        The joint.
-    stiffness : float
-        k of (1) [N m/rad]; N/m for a prismatic joint. Left out: infinite, so without effect.
-    damping : float
-        c of (1) [N m s/rad]; default 0.
+    `stiffness` is k and `damping` c of (1); without a stiffness the joint is rigid.
     """
 
     name: ClassVar[str] = "joint_compliance"

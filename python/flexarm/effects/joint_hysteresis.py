@@ -24,14 +24,7 @@ if TYPE_CHECKING:
 class JointHysteresis(Effect):
     """Dahl's law in the deflection of the reducer.
 
-    Parameters
-    ----------
-    at : str
-        The joint; it has a joint_compliance.
-    torque : float
-        T_h of (1) [N m]; N for a prismatic joint.
-    width : float
-        w of (1) [rad]: deflection over which the friction builds up.
+    `torque` is T_h and `width` w of (1).
     """
 
     name: ClassVar[str] = "joint_hysteresis"

@@ -23,12 +23,7 @@ if TYPE_CHECKING:
 class JointStiffening(Effect):
     """Cubic part of the spring between motor and link.
 
-    Parameters
-    ----------
-    at : str
-        The joint; it has a joint_compliance.
-    cubic_stiffness : float
-        k_3 of (1) [N m/rad3]; N/m3 for a prismatic joint.
+    `cubic_stiffness` is k_3 of (1).
     """
 
     name: ClassVar[str] = "joint_stiffening"

@@ -29,15 +29,8 @@ if TYPE_CHECKING:
 class JointTiltCompliance(SpringEffect):
     """Linear springs and dampers of a joint's bearing, about the two axes across its own.
 
-    Parameters
-    ----------
-    at : str
-        The joint.
-    stiffness : float or (2,)
-        k of (1) [N m/rad], one number for both axes or two; 1e12 about one of two is rigid. Left out:
-        infinite, so without effect.
-    damping : float or (2,)
-        c of (1) [N m s/rad], one number for both axes or two; default 0.
+    `stiffness` is k and `damping` c of (1), each one number for both axes or two; 1e12 about one of two is
+    rigid.
     """
 
     name: ClassVar[str] = "joint_tilt_compliance"

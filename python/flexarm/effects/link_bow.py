@@ -30,14 +30,7 @@ if TYPE_CHECKING:
 class LinkBow(Effect):
     """Curvature of an unloaded beam.
 
-    Parameters
-    ----------
-    at : str
-        The link: a beam.
-    tip_offset : (3,)
-        u of (1), in the link's frame [m].
-    time_constant : float
-        tau of (1) [s]; 0: a constant bow.
+    `tip_offset` is u of (1), in the link's frame, and `time_constant` tau.
     """
 
     name: ClassVar[str] = "link_bow"

@@ -23,15 +23,7 @@ if TYPE_CHECKING:
 
 
 class LinkDamping(Effect):
-    """Another damping ratio of a link.
-
-    Parameters
-    ----------
-    at : str
-        The link: a beam or a super-element.
-    damping_ratio : float
-        Of (1) [-].
-    """
+    """Another damping ratio of a link."""
 
     name: ClassVar[str] = "link_damping"
     in_motion = ("damping_ratio",)

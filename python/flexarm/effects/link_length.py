@@ -26,12 +26,7 @@ if TYPE_CHECKING:
 class LinkLength(Effect):
     """Error of a beam's length.
 
-    Parameters
-    ----------
-    at : str
-        The link: a beam.
-    error : float
-        Of (1), positive where the link is longer than nominal [m].
+    `error` is positive where the link is longer than nominal.
     """
 
     name: ClassVar[str] = "link_length"

@@ -19,15 +19,7 @@ if TYPE_CHECKING:
 
 
 class LinkMass(Effect):
-    """Factor on the mass of a link.
-
-    Parameters
-    ----------
-    at : str
-        The link.
-    scale : float
-        Of (1) [-].
-    """
+    """Factor on the mass of a link."""
 
     name: ClassVar[str] = "link_mass"
     scale: Number = value_in("-", "factor on the mass per length", 1.0, gt=0)

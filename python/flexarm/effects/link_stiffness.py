@@ -21,15 +21,7 @@ if TYPE_CHECKING:
 
 
 class LinkStiffness(Effect):
-    """Factor on the bending stiffness of a link.
-
-    Parameters
-    ----------
-    at : str
-        The link: a beam or a super-element.
-    scale : float
-        Of (1) [-].
-    """
+    """Factor on the bending stiffness of a link."""
 
     name: ClassVar[str] = "link_stiffness"
     varies_with = "torque"

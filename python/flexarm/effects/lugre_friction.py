@@ -32,22 +32,8 @@ if TYPE_CHECKING:
 class LugreFriction(Effect):
     """LuGre friction at the output bearing.
 
-    Parameters
-    ----------
-    at : str
-        The joint.
-    coulomb : float
-        F_c of (2), torque while it slips [N m]; N for a prismatic joint.
-    breakaway : float
-        F_s of (2), torque at which it gives way [N m].
-    bristle_stiffness : float
-        sigma_0 of (1) [N m/rad].
-    bristle_damping : float
-        sigma_1 of (1) [N m s/rad].
-    viscous : float
-        sigma_2 of (1) [N m s/rad].
-    stribeck_rate : float
-        v_s of (2) [rad/s]: rate between sticking and slipping.
+    `coulomb` is F_c, `breakaway` F_s and `stribeck_rate` v_s of (2); `bristle_stiffness` is sigma_0,
+    `bristle_damping` sigma_1 and `viscous` sigma_2 of (1).
     """
 
     name: ClassVar[str] = "lugre_friction"

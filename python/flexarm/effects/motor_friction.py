@@ -28,16 +28,7 @@ if TYPE_CHECKING:
 class MotorFriction(FrictionEffect):
     """Dry and viscous friction of the motor.
 
-    Parameters
-    ----------
-    at : str
-        The joint that the motor drives.
-    coulomb : float
-        T_c of (1) [N m], output-referred.
-    viscous : float
-        c of (1) [N m s/rad], output-referred.
-    width, creep_rate, drop, stribeck_rate : float
-        Shape of the dry friction, of `FrictionEffect`, output-referred [rad, rad/s, -, rad/s].
+    `coulomb` is T_c and `viscous` c of (1); the other parameters are the shape of `FrictionEffect`.
     """
 
     name: ClassVar[str] = "motor_friction"

@@ -34,17 +34,7 @@ if TYPE_CHECKING:
 
 
 class Outliers(SignalEffect):
-    """Samples that are far off.
-
-    Parameters
-    ----------
-    at : str
-        The signal.
-    share : float
-        Of the rows [-], below one half.
-    size : float
-        1 sigma of how far off, per channel [SI unit of the signal].
-    """
+    """Samples that are far off."""
 
     name: ClassVar[str] = "outliers"
     competes = False

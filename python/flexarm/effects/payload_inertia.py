@@ -38,12 +38,7 @@ def _one_or_three(value: Any) -> Any:
 class PayloadInertia(Effect):
     """Another inertia of a payload.
 
-    Parameters
-    ----------
-    at : str
-        The payload.
-    inertia : float or (3,)
-        About its own centre, in the link's axes, of (1) [kg m2]. Left out: the nominal one.
+    Moments are in the link's axes; left out: the nominal ones.
     """
 
     name: ClassVar[str] = "payload_inertia"

@@ -22,12 +22,7 @@ if TYPE_CHECKING:
 class PayloadMass(Effect):
     """Another mass of a payload.
 
-    Parameters
-    ----------
-    at : str
-        The payload.
-    mass : float
-        Total mass of (1) [kg]. Left out: the nominal one.
+    Left out: the nominal mass.
     """
 
     name: ClassVar[str] = "payload_mass"

@@ -22,12 +22,7 @@ if TYPE_CHECKING:
 class PayloadOffset(Effect):
     """Centre of mass beside the nominal one.
 
-    Parameters
-    ----------
-    at : str
-        The payload.
-    offset : (3,)
-        Of (1), in the link's frame [m].
+    The offset is in the link's frame.
     """
 
     name: ClassVar[str] = "payload_offset"

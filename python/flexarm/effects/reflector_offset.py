@@ -24,12 +24,7 @@ if TYPE_CHECKING:
 class ReflectorOffset(Effect):
     """Point beside its nominal place.
 
-    Parameters
-    ----------
-    at : str
-        The point.
-    offset : (3,)
-        Of (1), in the link's frame [m].
+    The offset is in the link's frame.
     """
 
     name: ClassVar[str] = "reflector_offset"

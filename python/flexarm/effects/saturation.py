@@ -25,14 +25,7 @@ if TYPE_CHECKING:
 class Saturation(ChannelEffect):
     """Channels that stop at the end of their range.
 
-    Parameters
-    ----------
-    at : str
-        The signal.
-    channels : list of str
-        Which; left out: all.
-    limit : float
-        Of (1) [SI unit of the signal]. Left out: infinite, so without effect.
+    `limit` is that of (1), by default infinite.
     """
 
     name: ClassVar[str] = "saturation"

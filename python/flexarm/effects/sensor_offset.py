@@ -32,15 +32,8 @@ def _number_or_three(value: Any) -> Any:
 class SensorOffset(ChannelEffect):
     """Offset of channels.
 
-    Parameters
-    ----------
-    at : str
-        The signal.
-    channels : list of str
-        Which; left out: all.
-    offset : float or (3,)
-        Of (1) [SI unit of the signal]: one number for all these channels, or three along the signal's axes x,
-        y, z, of which those that are not measured count for nothing.
+    `offset` is one number for all these channels, or three along the signal's axes x, y, z, of which those
+    that are not measured count for nothing.
     """
 
     name: ClassVar[str] = "sensor_offset"

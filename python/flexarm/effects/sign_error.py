@@ -19,13 +19,6 @@ class SignError(ChannelEffect):
     """Channels of the wrong sign.
 
     It has no parameter of its own.
-
-    Parameters
-    ----------
-    at : str
-        The signal.
-    channels : list of str
-        Which; left out: all.
     """
 
     name: ClassVar[str] = "sign_error"

@@ -54,18 +54,7 @@ ACTS = {"windup": ("angle", "rate", "torque", "motor_angle"), "torque": ("angle"
 class TabulatedLaw(Effect):
     """A table of a joint's windup or lost torque.
 
-    Parameters
-    ----------
-    at : str
-        The joint.
-    quantity : str
-        "windup", w of (1) [rad], or "torque", f of (2) [N m]; m and N for a prismatic joint.
-    of : str
-        "angle", "rate", "torque" or "motor_angle": y.
-    x : (n,)
-        Knots, rising, two or more [rad, rad/s or N m].
-    value : (n,)
-        Of the quantity at the knots [rad or N m].
+    `quantity` "windup" is w of (1), "torque" f of (2); `x` and `value` are the table of y.
     """
 
     name: ClassVar[str] = "tabulated_law"

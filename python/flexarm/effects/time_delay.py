@@ -20,12 +20,7 @@ if TYPE_CHECKING:
 class TimeDelay(ClockEffect):
     """Delay of the stamps of a signal or of a clock.
 
-    Parameters
-    ----------
-    at : str
-        The signal or clock.
-    delay : float
-        Of (1) [s]; positive: the stamps are late.
+    The delay is positive where stamps are late.
     """
 
     name: ClassVar[str] = "time_delay"

@@ -27,16 +27,7 @@ if TYPE_CHECKING:
 class TransmissionError(WaveEffect):
     """A sine of the motor's angle, added to the output of the teeth.
 
-    Parameters
-    ----------
-    at : str
-        The joint.
-    amplitude : float
-        A of (1), at the output [rad]; m for a prismatic joint.
-    multiple : float
-        m of (1), periods per motor turn.
-    phase : float
-        beta of (1) [rad].
+    `amplitude` is A, at the output, `multiple` m and `phase` beta of (1).
     """
 
     name: ClassVar[str] = "transmission_error"

@@ -21,17 +21,7 @@ if TYPE_CHECKING:
 
 
 class UnitError(ChannelEffect):
-    """Channels in another unit than stated.
-
-    Parameters
-    ----------
-    at : str
-        The signal.
-    channels : list of str
-        Which; left out: all.
-    factor : float
-        Of (1) [-].
-    """
+    """Channels in another unit than stated."""
 
     name: ClassVar[str] = "unit_error"
     competes = False

@@ -22,12 +22,7 @@ if TYPE_CHECKING:
 class ViscousFriction(Effect):
     """Viscous friction at the output bearing.
 
-    Parameters
-    ----------
-    at : str
-        The joint.
-    coefficient : float
-        c of (1) [N m s/rad].
+    `coefficient` is c of (1).
     """
 
     name: ClassVar[str] = "viscous_friction"

@@ -81,20 +81,9 @@ def machine(arm: Arm) -> Arm:
 def virtual_record(
     machine: Arm, seconds: float, stops: tuple[float, ...], seed: int, mass: float | None = None
 ) -> Record:
-    """Return the readings of the machine's sensors of a motion from stop to stop.
+    """Return the readings of the machine's sensors of moves from stop to stop [rad] in so many seconds each.
 
-    Parameters
-    ----------
-    machine : Arm
-        With its sensors.
-    seconds : float
-        From one stop to the next.
-    stops : tuple of float
-        Angles of the hinge [rad].
-    seed : int
-        Of the noise.
-    mass : float, optional
-        Of the load in this run [kg]; default the machine's.
+    `mass` is that of the load in this run [kg], by default the machine's.
     """
     from flexarm.drive import Drive
     from flexarm.measurement.clocks import ClockError

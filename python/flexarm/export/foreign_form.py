@@ -37,14 +37,8 @@ def foreign_form(
 ) -> ForeignForm:
     """Return a super-element for another program.
 
-    Parameters
-    ----------
-    element : SuperElement
-        The part.
-    unit : {"m", "mm"}
-        m: m, kg, s, N. mm: mm, t, s, N, MPa.
-    axes : array, shape (n, 3, 3), optional
-        Axes of the points' freedoms, as columns; the part's own by default.
+    Unit "m" is m, kg, s, N, and "mm" is mm, t, s, N, MPa. `axes`, shape (n, 3, 3), are those of the points'
+    freedoms, as columns; the part's own by default.
 
     Raises
     ------

@@ -30,32 +30,22 @@ _WRITTEN = {
 
 @dataclass(frozen=True)
 class JointDynamics:
-    """The numbers of (1), output side [N m/rad, N m s/rad, N m, kg m2; N/m, ... of a prismatic joint].
-
-    Attributes
-    ----------
-    joint : str
-        Name of the joint.
-    stiffness, damping : float
-        k and c of the reducer; an infinite k is a rigid joint.
-    bearing_viscous, bearing_dry, motor_viscous, motor_dry : float
-        c_b, T_b^f, c_m, T_m^f.
-    rotor_inertia, gear_ratio : float
-        J [kg m2], motor side, and n.
-    left_out : tuple of str
-        Names of the joint's other effects, for which the formats have no word.
-    """
+    """The numbers of (1), output side [N m/rad, N m s/rad, N m, kg m2; N/m, ... of a prismatic joint]."""
 
     joint: str
     stiffness: float = inf
     damping: float = 0.0
+    """k and c of the reducer; an infinite k is a rigid joint."""
     bearing_viscous: float = 0.0
     bearing_dry: float = 0.0
     motor_viscous: float = 0.0
     motor_dry: float = 0.0
+    """c_b, T_b^f, c_m, T_m^f."""
     rotor_inertia: float = 0.0
     gear_ratio: float = 1.0
+    """J [kg m2], motor side, and n."""
     left_out: tuple[str, ...] = ()
+    """Names of the joint's other effects, for which the formats have no word."""
 
     @property
     def armature(self) -> float:

@@ -40,74 +40,54 @@ class Unreadable(Exception):
 
 @dataclass(frozen=True)
 class Request:
-    """What a signal needs of its source.
-
-    Attributes
-    ----------
-    topic : str or None
-        Topic, path of a group, or sheet.
-    columns : tuple of str or int
-        Columns of values.
-    time : str, int or None
-        Column of stamps, or "log"; None: none needed.
-    others : tuple of (str, str or int)
-        Key of the map and a column that tells rows apart: poses, and what they are chosen by.
-    stamps_are_text : bool
-        True if stamps are read as text.
-    """
+    """What a signal needs of its source."""
 
     topic: str | None
+    """Topic, path of a group, or sheet."""
     columns: tuple[str | int, ...]
-    time: str | int | None = None
+    """Columns of values."""
+    time: str | int | tuple[str | int, ...] | None = None
+    """Column of stamps, or "log"; several are texts that make a stamp together; None: none needed."""
     others: tuple[tuple[str, str | int], ...] = ()
+    """Key of the map and a column that tells rows apart: poses, and what they are chosen by."""
     stamps_are_text: bool = False
+    """True if stamps are read as text."""
+
+    @property
+    def time_columns(self) -> tuple[str | int, ...]:
+        """The columns of stamps."""
+        if self.time is None:
+            return ()
+        return self.time if isinstance(self.time, tuple) else (self.time,)
 
 
 @dataclass(frozen=True)
 class Samples:
-    """What a source has for a request.
-
-    Attributes
-    ----------
-    values : ndarray, shape (n, columns)
-        Values, drop-outs as NaN.
-    time : ndarray, shape (n,), or None
-        Stamps as they stand: whole numbers stay whole.
-    time_unit : str or None
-        Their unit, where the source says it.
-    others : tuple of ndarray, each of shape (n,)
-        Columns that tell rows apart, as they stand.
-    """
+    """What a source has for a request."""
 
     values: Floats
+    """Values, drop-outs as NaN, shape (n, columns)."""
     time: Array | None = None
+    """Stamps as they stand: whole numbers stay whole, shape (n,)."""
     time_unit: str | None = None
+    """Their unit, where the source says it."""
     others: tuple[Array, ...] = ()
+    """Columns that tell rows apart, as they stand, shape (n,)."""
 
 
 @dataclass(frozen=True)
 class Group:
-    """Columns of a source that belong together.
-
-    Attributes
-    ----------
-    topic : str or None
-        As a map names it.
-    names : tuple of str
-        Columns.
-    time : str or None
-        The column of stamps, or "log", as far as the format tells.
-    kind : str
-        What the source says that it is, such as the type of a message; empty if nothing.
-    units : tuple of str
-        Units of the columns, where the source gives them.
-    """
+    """Columns of a source that belong together."""
 
     topic: str | None
+    """As a map names it."""
     names: tuple[str, ...]
     time: str | None = None
+    """The column of stamps, or "log", as far as the format tells."""
     kind: str = ""
+    """What the source says that it is, such as the type of a message; empty if nothing."""
     units: tuple[str, ...] = ()
+    """Units of the columns, where the source gives them."""
 
 
 class Source(ABC):
@@ -183,7 +163,8 @@ class Source(ABC):
             if len(array) != rows:
                 beside = "stamps" if time is not None else "values of the first column"
                 raise Unreadable("columns", f"{what} has {len(array)} values beside {rows} {beside}")
-            columns.append(as_numbers(array, lambda row: self.place(topic, row), what))
+            parts = (array.real, array.imag) if array.dtype.kind == "c" else (array,)
+            columns += [as_numbers(part, lambda row: self.place(topic, row), what) for part in parts]
         others = tuple(
             one_row(self.array(topic, index), pick, rows, f"column {column!r}")
             for key, column in request.others
@@ -218,6 +199,8 @@ class Source(ABC):
         topic, column = request.topic, request.time
         if column is None:
             return None, None
+        if isinstance(column, tuple):
+            return self._joined(topic, column), None
         if column == LOG and LOG not in self.names(topic):
             return self.log_time(topic, indices)
         index, pick = self.find(topic, column, "time")
@@ -230,6 +213,14 @@ class Source(ABC):
         if found.dtype.kind not in "iu":
             found = as_numbers(found, lambda row: self.place(topic, row), f"column {column!r}", "time")
         return found, self.time_unit(topic, index)
+
+    def _joined(self, topic: str | None, columns: Sequence[str | int]) -> Array:
+        """Return texts of several columns, joined by blanks."""
+        texts = []
+        for column in columns:
+            index, pick = self.find(topic, column, "time")
+            texts.append(one_row(self.array(topic, index), pick, None, f"column {column!r}").tolist())
+        return np.array([" ".join(map(str, row)) for row in zip(*texts, strict=True)])
 
 
 def one_row(array: Array, pick: int | None, rows: int | None, what: str) -> Array:

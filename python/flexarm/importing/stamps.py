@@ -110,12 +110,7 @@ def _number(value: Any) -> str:
 def origins(stamps: Mapping[str, list[Stamps]], clocks: Mapping[str, Clock]) -> dict[str, int]:
     """Return for each clock the whole second from which its stamps shall count; 0: as they stand.
 
-    Parameters
-    ----------
-    stamps : dict of str to list of Stamps
-        Clock -> stamps of its signals.
-    clocks : dict of str to Clock
-        The clocks; an unknown one has an origin of its own where it counts from another date.
+    An unknown clock has an origin of its own where it counts from another date.
     """
     start = {name: min((each.start for each in found), default=0.0) for name, found in stamps.items()}
     known = [start[name] for name, clock in clocks.items() if name in start and not clock.unknown]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -17,6 +18,7 @@ from flexarm.arm.rotation import from_rpy
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 from flexarm.importing.formats import reader_of
+from flexarm.importing.frequency_response import check_frequencies, response_of
 from flexarm.importing.map_file import Dialect, Every, MapTable, SignalMap, read_map
 from flexarm.importing.source import Array, Request, Samples, Source, Unreadable
 from flexarm.importing.stamps import Stamps, as_date, origins, stamps_of
@@ -30,6 +32,9 @@ from flexarm.tables import refuse
 
 if TYPE_CHECKING:
     from flexarm.tables.field import Path as Where
+
+MOST_NAMED = 5
+"""Values of a column that an error names."""
 
 
 @takes(path=PATH)
@@ -87,6 +92,12 @@ class _Importer:
         clocks = dict(self.table.clocks) or {"clock": Clock()}
         read: dict[int, tuple[Samples, Stamps]] = {}
         for i, signal in enumerate(self.table.signals):
+            if signal.bare:
+                read[i] = (
+                    Samples(np.empty((0, signal.spec.channels or len(signal.axes)))),
+                    Stamps(np.array([]), 1.0),
+                )
+                continue
             with self._blamed(i):
                 if (source := sources.get((signal.source, signal.csv))) is not None:
                     read[i] = self._read(signal, source)
@@ -172,6 +183,8 @@ class _Importer:
         """Return a reader for each file, which knows all that is asked of it."""
         asked: dict[tuple[str, Dialect], list[int]] = {}
         for i, signal in enumerate(self.table.signals):
+            if signal.bare:
+                continue
             asked.setdefault((signal.source, signal.csv), []).append(i)
         found = {}
         for (name, dialect), signals in asked.items():
@@ -203,12 +216,14 @@ class _Importer:
             tuple(column[rows] for column in samples.others),
         )
         if not len(taken.values):
-            raise Unreadable("where" if signal.where else "columns", "there is no row")
+            raise Unreadable("where" if signal.where else "columns", _no_row(signal, samples))
 
         def place(row: int) -> str:
             return source.place(signal.topic, int(rows[row]) if isinstance(rows, np.ndarray) else row)
 
-        if self.table.kind == "static":
+        if self.table.kind == "frequency_response":
+            check_frequencies(taken.others[0], place)
+        if self.table.kind != "motion":
             return taken, Stamps(np.array([]), 1.0)
         return taken, stamps_of(signal, taken, place)
 
@@ -223,6 +238,8 @@ class _Importer:
         elif static:
             pose = np.array([str(row + 1) for row in range(len(samples.values))])
         clock = table.clock or next(iter(origin), "")
+        if self.table.kind == "frequency_response":
+            return response_of(table, samples, self.table.signals, clock)
         return Signal(
             name=table.name,
             quantity=table.quantity,
@@ -249,6 +266,11 @@ class _Importer:
 def request_of(signal: SignalMap) -> Request:
     """Return what a signal asks of its source."""
     others: list[tuple[str, str | int]] = [] if signal.pose is None else [("pose", signal.pose)]
+    others += [
+        (key, column)
+        for key, column in (("frequency", signal.frequency), ("coherence", signal.coherence))
+        if column is not None
+    ]
     others += [("where", int(column) if column.isdigit() else column) for column in signal.where]
     return Request(
         signal.topic,
@@ -264,12 +286,34 @@ def _chosen(signal: SignalMap, samples: Samples) -> Array | slice:
     if not signal.where:
         return slice(None)
     chosen = np.ones(len(samples.values), dtype=bool)
-    for wanted, column in zip(signal.where.values(), samples.others[-len(signal.where) :], strict=True):
+    for wanted, column in zip(signal.where.values(), _labels(signal, samples), strict=True):
         if isinstance(wanted, str):
-            chosen &= np.array([str(value).strip() == wanted for value in column.tolist()])
+            form = re.compile(re.escape(wanted).replace(r"\*", ".*").replace(r"\?", "."), re.S)
+            chosen &= np.array([bool(form.fullmatch(str(value).strip())) for value in column.tolist()])
         else:
             chosen &= column.astype(float) == wanted if column.dtype.kind in "iufb" else False
     return np.flatnonzero(chosen)
+
+
+def _labels(signal: SignalMap, samples: Samples) -> tuple[Array, ...]:
+    """Return the columns by which rows are chosen."""
+    return samples.others[-len(signal.where) :]
+
+
+def _no_row(signal: SignalMap, samples: Samples) -> str:
+    """Say that there is no row, and what the columns hold by which rows are chosen."""
+    if not signal.where or not len(samples.values):
+        return "there is no row"
+    found = []
+    for (column, wanted), values in zip(signal.where.items(), _labels(signal, samples), strict=True):
+        names = list(
+            dict.fromkeys(
+                f"{str(v).strip()!r}" if isinstance(wanted, str) else f"{v}" for v in values.tolist()
+            )
+        )
+        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        found.append(f"column {column!r} holds {', '.join(names[:MOST_NAMED])}{more}")
+    return f"there is no row with {signal.where}; {'; '.join(found)}"
 
 
 def _in_si(table: SignalMap, values: Floats, arm: Arm | None) -> Floats:

@@ -46,21 +46,14 @@ MOVING = (
 
 @dataclass(frozen=True, eq=False)
 class FreeMotion:
-    """Free vibration of an arm in its lowest modes.
-
-    Attributes
-    ----------
-    A : ndarray, shape (state, state)
-        Of (1); states are amplitudes of the modes [kg^0.5 m] and their rates.
-    rest : StateSnapshots
-        The equilibrium, one state.
-    slopes : dict of str to ndarray, shape (..., state)
-        da/ds of (2), by array.
-    """
+    """Free vibration of an arm in its lowest modes."""
 
     A: Floats
+    """Of (1); states are amplitudes of the modes [kg^0.5 m] and their rates, shape (state, state)."""
     rest: StateSnapshots
+    """The equilibrium, one state."""
     slopes: Mapping[str, Floats]
+    """da/ds of (2), by array, shape (..., state)."""
 
     def states(self, initial: Floats, elapsed: Floats) -> Floats:
         """Return (1) at times after the start [s], shape (n, state)."""
@@ -85,16 +78,7 @@ class FreeMotion:
 
 
 def free_motion(arm: Arm, joints: Mapping[str, float], count: int) -> FreeMotion:
-    """Return the free vibration of an arm with its drives held.
-
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    joints : dict of str to float
-        Drive angles, output side [rad, m for a prismatic joint]; default 0.
-    count : int
-        Most modes.
+    """Return the free vibration of an arm with its drives held [rad, m; default 0], of `count` modes at most.
 
     Raises
     ------

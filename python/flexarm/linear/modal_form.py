@@ -68,26 +68,18 @@ class Signal:
 
 @dataclass(frozen=True, eq=False)
 class ModalForm:
-    """State equations of (1), and z in terms of them.
-
-    Attributes
-    ----------
-    A, B : ndarray, shapes (states, states) and (3, states, inputs)
-        x' = A x + B_0 u + B_1 u' + B_2 u''.
-    z : Signal
-        The coordinates, of the modes kept.
-    residual : ndarray, shape (coordinates, inputs)
-        What the modes left out add to z, (2).
-    states, units : tuple of str
-        Names of the states, and their units.
-    """
+    """State equations of (1), and z in terms of them."""
 
     A: Floats
     B: Floats
+    """x' = A x + B_0 u + B_1 u' + B_2 u''."""
     z: Signal
+    """The coordinates, of the modes kept."""
     residual: Floats
+    """What the modes left out add to z, (2), shape (coordinates, inputs)."""
     states: tuple[str, ...]
     units: tuple[str, ...]
+    """Names of the states, and their units."""
 
 
 def modal_form(system: Mechanics, count: int | None = None) -> ModalForm:

@@ -23,33 +23,22 @@ from flexarm.linear.tangent import Tangent, tangent
 
 @dataclass(frozen=True, eq=False)
 class OperatingPoint:
-    """An arm at its equilibrium, with its inputs and readings.
-
-    Attributes
-    ----------
-    asked : list of Port
-        Inputs.
-    values : list of float
-        Drive angles of all joints.
-    holding : ndarray, shape (joint,)
-        Torques that hold them.
-    rows : list of (int, int)
-        Rows of theta and phi of every joint among the coordinates.
-    driven : list of str
-        Joints whose motors are held, in the order of the columns of G; those of inputs come first.
-    forces : ndarray, shape (columns of N and G, inputs)
-        Generalised forces of unit forces at points.
-    """
+    """An arm at its equilibrium, with its inputs and readings."""
 
     arm: Arm
     asked: list[Port]
     values: list[float]
+    """Drive angles of all joints."""
     holding: Floats
+    """Torques that hold them, shape (joint,)."""
     rows: list[tuple[int, int]]
+    """Rows of theta and phi of every joint among the coordinates."""
     driven: list[str]
+    """Joints whose motors are held, in the order of the columns of G; those of inputs come first."""
     tangent: Tangent
     readings: Derivatives
     forces: Floats
+    """Generalised forces of unit forces at points, shape (columns of N and G, inputs)."""
 
     @classmethod
     def of(

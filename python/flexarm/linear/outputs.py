@@ -32,23 +32,16 @@ RATE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Derivatives:
-    """Derivatives of readings, rows in the order of the sensors' channels.
-
-    Attributes
-    ----------
-    at_rest : ndarray, shape (outputs,)
-        Readings of the equilibrium.
-    position, velocity, acceleration : ndarray, shape (outputs, columns of S)
-        By the amplitudes of S and their two derivatives.
-    torque : ndarray, shape (outputs, joints)
-        By the motors' torques, output side.
-    """
+    """Derivatives of readings, rows in the order of the sensors' channels."""
 
     at_rest: Floats
+    """Readings of the equilibrium, shape (outputs,)."""
     position: Floats
     velocity: Floats
     acceleration: Floats
+    """By the amplitudes of S and their two derivatives, shape (outputs, columns of S)."""
     torque: Floats
+    """By the motors' torques, output side, shape (outputs, joints)."""
 
 
 def derivatives(

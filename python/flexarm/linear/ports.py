@@ -16,24 +16,16 @@ Asked = Mapping[str, str] | Iterable[tuple[str, str]]
 
 @dataclass(frozen=True)
 class Port:
-    """One input.
-
-    Attributes
-    ----------
-    kind : str
-        "drive" (angle or acceleration, whichever is proper), "angle", "acceleration", "torque" or "force".
-    place : str
-        Name of the joint or point.
-    axis : int
-        Of a force: 0, 1, 2 for the base's x, y, z.
-    slides : bool
-        True if the joint is prismatic.
-    """
+    """One input."""
 
     kind: str
+    """One of "drive" (angle or acceleration, as is proper), "angle", "acceleration", "torque" and "force"."""
     place: str
+    """Name of the joint or point."""
     axis: int = 0
+    """Of a force: 0, 1, 2 for the base's x, y, z."""
     slides: bool = False
+    """True if the joint is prismatic."""
 
     def named(self) -> str:
         """Name of the input in the model."""
@@ -51,13 +43,8 @@ class Port:
 def ports(arm: Arm, asked: Asked | None) -> tuple[list[Port], set[str]]:
     """Return the inputs in their order, and the joints whose motors are held without being one.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    asked : dict or pairs of str to str, optional
-        Kind of input at joints and points; joints left out are locked. Default: the drive of every moving
-        joint, without outputs of gears.
+    `asked` has the kind of input at joints and points; joints left out are locked. Default: the drive of
+    every moving joint, without outputs of gears.
 
     Raises
     ------
@@ -118,13 +105,8 @@ def motor_of(arm: Arm, joint: str) -> tuple[str, float]:
 def outputs(arm: Arm, asked: Iterable[str | Sensor] | None) -> list[Sensor]:
     """Return the sensors that are the outputs.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    asked : iterable of str or Sensor, optional
-        Sensors, or names of the model's sensors, of points (their position) and of joints (the link's angle).
-        Default: the model's sensors; without sensors all joints that move, and all points.
+    `asked` has sensors, or names of the model's sensors, of points (their position) and of joints (the link's
+    angle). Default: the model's sensors; without sensors all joints that move, and all points.
 
     Raises
     ------

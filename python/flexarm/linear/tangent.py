@@ -38,21 +38,15 @@ _RANK = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """Equations (1) and (2).
-
-    Attributes
-    ----------
-    M, C, K : ndarray, shape (n, n)
-        Of the coordinates x.
-    N, G : ndarray, shapes (n, z) and (n, driven)
-        Motions that the joints allow, (2).
-    """
+    """Equations (1) and (2)."""
 
     M: Floats
     C: Floats
     K: Floats
+    """Of the coordinates x, shape (n, n)."""
     N: Floats
     G: Floats
+    """Motions that the joints allow, (2)."""
 
     @property
     def motions(self) -> Floats:
@@ -61,16 +55,9 @@ class Tangent:
 
 
 def tangent(system: _core.System, equilibrium: _core.Equilibrium, driven: Sequence[int]) -> Tangent:
-    """Return the tangent of a system whose motors are all free.
+    """Return the tangent of a system whose motors are told their torques, all free, at its equilibrium.
 
-    Parameters
-    ----------
-    system : System
-        Motors told their torques.
-    equilibrium : Equilibrium
-        Of that system.
-    driven : sequence of int
-        Rows of the coordinates that are prescribed.
+    `driven` are rows of the coordinates that are prescribed.
 
     Raises
     ------

@@ -18,21 +18,14 @@ from flexarm.errors import InvalidParameter
 
 @dataclass(frozen=True)
 class ClockError:
-    """Error of a clock with respect to the reference clock.
-
-    Attributes
-    ----------
-    delay : float
-        How late its stamps are [s].
-    rate : float
-        How much faster it runs [s/s].
-    since : float
-        When it is late by the delay alone [s].
-    """
+    """Error of a clock with respect to the reference clock."""
 
     delay: float = 0.0
+    """How late its stamps are [s]."""
     rate: float = 0.0
+    """How much faster it runs [s/s]."""
     since: float = 0.0
+    """When it is late by the delay alone [s]."""
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.delay):

@@ -41,15 +41,7 @@ CREEP = 20.0
 
 
 def find_dwells(time: Floats, scaled: Floats) -> list[Dwell]:
-    """Return the dwells, in their order.
-
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        Rising times.
-    scaled : ndarray, shape (n,)
-        Samples over their noise.
-    """
+    """Return the dwells in their order, of samples over their noise, shape (n,), at rising times."""
     blocks = _Blocks(time, scaled)
     found: list[Dwell] = []
     begin = 0

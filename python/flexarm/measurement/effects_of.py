@@ -51,31 +51,22 @@ class Placed(Measured, Protocol):
 
 @dataclass(frozen=True)
 class SensorEffects:
-    """Effects that act on one signal.
-
-    Attributes
-    ----------
-    channels : tuple of str
-        Names of the signal's channels.
-    before, after : tuple of SignalEffect
-        What acts before the noise enters and after it, in the order of (1).
-    delay, rate : float
-        Sums over the effects of (2) [s], [s/s].
-    translation, rotation, velocity : tuple of float
-        Sums over the effects of (3) [m], [rad], [m/s].
-    scale : float
-        Product over the effects of (3).
-    """
+    """Effects that act on one signal."""
 
     channels: tuple[str, ...] = ("",)
+    """Names of the signal's channels."""
     before: tuple[SignalEffect, ...] = ()
     after: tuple[SignalEffect, ...] = ()
+    """What acts before the noise enters and after it, in the order of (1)."""
     delay: float = 0.0
     rate: float = 0.0
+    """Sums over the effects of (2) [s], [s/s]."""
     translation: Vector = (0.0, 0.0, 0.0)
     rotation: Vector = (0.0, 0.0, 0.0)
     velocity: Vector = (0.0, 0.0, 0.0)
+    """Sums over the effects of (3) [m], [rad], [m/s]."""
     scale: float = 1.0
+    """Product over the effects of (3)."""
 
     def sensed(self, true: Floats) -> Floats:
         """Return the transducer's output for true values, before the noise, shape (n, channels)."""
@@ -155,16 +146,7 @@ class SensorEffects:
 
 
 def effects_of(arm: Any, what: Placed, clock: str | None = None) -> SensorEffects:
-    """Return the effects of an arm that act on a signal or sensor.
-
-    Parameters
-    ----------
-    arm : Arm or None
-        The model, with its effects.
-    what : Signal or Sensor
-        Names itself, its quantity and channels, its clock and frame.
-    clock : str, optional
-        Name of its clock, where it names none.
+    """Return the effects of an arm that act on a signal or sensor, which names its clock, or `clock` does.
 
     Raises
     ------

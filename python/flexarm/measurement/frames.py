@@ -43,28 +43,19 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
 
 @dataclass(frozen=True)
 class Registration:
-    """Stated pose of a frame of measurement, and its error.
-
-    Attributes
-    ----------
-    translation, rotation : ndarray, shape (3,)
-        The error of eq. (1): shift [m] and rotation vector [rad] about the base's origin.
-    origin : ndarray, shape (3,)
-        x_f, stated position of the frame in the base [m].
-    rpy : tuple of float
-        Roll, pitch, yaw of R_f, the stated orientation of the frame in the base [rad].
-    velocity : ndarray, shape (3,)
-        With which the shift grows from the start of a run [m/s].
-    scale : float
-        Measured over true distance from the frame's origin.
-    """
+    """Stated pose of a frame of measurement, and its error."""
 
     translation: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """The error of eq. (1): shift [m] and rotation vector [rad] about the base's origin, shape (3,)."""
     origin: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """x_f, stated position of the frame in the base [m], shape (3,)."""
     rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Roll, pitch, yaw of R_f, the stated orientation of the frame in the base [rad]."""
     velocity: Floats | tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """With which the shift grows from the start of a run [m/s], shape (3,)."""
     scale: float = 1.0
+    """Measured over true distance from the frame's origin."""
 
     @property
     def frame_axes(self) -> Floats:

@@ -42,18 +42,9 @@ SMOOTH = ("position", "deflection", "joint_angle", "inclination", "orientation")
 
 
 def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
-    """Return the rows of a residual that are outliers.
+    """Return the rows of a residual that are outliers, bool of shape (n,).
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n, channels)
-        Measured minus predicted; NaN where there is no value.
-    noise : float, or ndarray, shape (channels,)
-        1 sigma of a channel, in the same unit.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
+    The residual, (n, channels), is NaN where there is no value; the noise is 1 sigma of all channels or each.
     """
     found = np.zeros(len(residual), dtype=bool)
     rows, off, usual = deviation_from_median(residual)

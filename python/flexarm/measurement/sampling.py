@@ -75,24 +75,9 @@ class Described(Protocol):
 
 
 def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None = None) -> Floats:
-    """Return the values at `instants` by (1).
+    """Return the values, (n, ...), at instants [s], (m,), by (1), with rates at the steps if these are given.
 
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        Steps of the simulation [s].
-    values : ndarray, shape (n, ...)
-        Values at the steps.
-    instants : ndarray, shape (m,)
-        Where they are wanted [s].
-    rates : ndarray, shape (n, ...), optional
-        Their rates at the steps.
-
-    Returns
-    -------
-    ndarray, shape (m, ...)
-        NaN after the last step; before the first one its value, for up to `EARLY` with its rate if that is
-        given.
+    After the last step they are NaN; before the first one its value, for up to `EARLY` with its rate.
     """
     if len(time) < 2:
         return np.where(_column(instants <= time[-1], values), values[0], np.nan)

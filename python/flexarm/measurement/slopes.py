@@ -47,21 +47,10 @@ def predict_slopes(
     *,
     stamps: Floats | None = None,
 ) -> Floats:
-    """Return the derivatives of a predicted signal with respect to every parameter of a run.
+    """Return the derivatives of a predicted signal with respect to every parameter of a run or of poses.
 
-    Parameters
-    ----------
-    simulation : Simulation or PoseSequence
-        A run, or poses, with `sensitivities`.
-    signal : Signal
-        Names the quantity, its place and the stamps.
-    clock, registration, stamps
-        As in `predict`.
-
-    Returns
-    -------
-    ndarray, shape (n, channels, parameter)
-        SI over the parameter's unit; NaN where the simulation has ended.
+    The shape is (n, channels, parameter), SI over the parameter's unit; NaN where the simulation has ended.
+    Other arguments are as in `predict`.
 
     Raises
     ------

@@ -14,21 +14,13 @@ from flexarm.missing_law.policy import LawPolicy
 
 @dataclass(frozen=True, eq=False)
 class LawCheck:
-    """Records to check laws with, and the model without one.
-
-    Attributes
-    ----------
-    bench : Bench
-        What was fitted, and what was held out.
-    stated, updated : Arm
-        The nominal model as it was given, and the one that a diagnosis repaired without a law.
-    signal : str
-        Whose gap is told.
-    """
+    """Records to check laws with, and the model without one."""
 
     bench: Bench
+    """What was fitted, and what was held out."""
     stated: Arm
     updated: Arm
+    """The nominal model as it was given, and the one that a diagnosis repaired without a law."""
     signal: str
 
     @cached_property

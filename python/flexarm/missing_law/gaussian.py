@@ -29,18 +29,12 @@ from flexarm.diagnosis.fit import Projection
 
 @dataclass(frozen=True, eq=False)
 class GaussianData:
-    """y and B of (1).
-
-    Attributes
-    ----------
-    y : ndarray, shape (n,)
-        Minus the residual over its noise.
-    projection : Projection
-        What eliminates nuisance parameters.
-    """
+    """y and B of (1)."""
 
     y: Floats
+    """Minus the residual over its noise, shape (n,)."""
     projection: Projection
+    """What eliminates nuisance parameters."""
 
     @property
     def nuisance(self) -> Floats:
@@ -64,24 +58,16 @@ class GaussianData:
 
 @dataclass(frozen=True, eq=False)
 class GaussianModel:
-    """Eq. (1) at the s and v that maximise (2).
-
-    Attributes
-    ----------
-    data : GaussianData
-        y and B.
-    factor : ndarray, shape (n, m)
-        s A.
-    noise : float
-        v.
-    log_evidence : float
-        Eq. (2).
-    """
+    """Eq. (1) at the s and v that maximise (2)."""
 
     data: GaussianData
+    """y and B."""
     factor: Floats
+    """s A, shape (n, m)."""
     noise: float
+    """v."""
     log_evidence: float
+    """Eq. (2)."""
 
     @classmethod
     def of(cls, data: GaussianData, columns: Floats) -> GaussianModel:

@@ -41,40 +41,26 @@ SIGNED = ("rate", "torque")
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A curve or two over a state.
-
-    Attributes
-    ----------
-    kind : {"law", "law with memory", "change"}
-        What tells the curves apart.
-    of : str
-        The state.
-    knots : ndarray, shape (k,)
-        Of the state.
-    mean, root : ndarray, shapes (b k,) and (b k, b k)
-        Posterior mean and a root of the covariance of the curves' values, b curves one after the other.
-    model : GaussianModel
-        Eq. (1).
-    predictive : float
-        Log predictive density of blocks left out.
-    left : float
-        Squared residual that the curve leaves.
-    instant : tuple of float
-        When it changes, and the 90 % interval [s]; empty without one.
-    only : int
-        Number of the record in which it changes; -1: in each.
-    """
+    """A curve or two over a state."""
 
     kind: LawKind
+    """What tells the curves apart: "law", "law with memory", "change"."""
     of: str
     knots: Floats
+    """Of the state, shape (k,)."""
     mean: Floats
     root: Floats
+    """Posterior mean and a root of the covariance of the curves' values, b curves one after the other."""
     model: GaussianModel
+    """Eq. (1)."""
     predictive: float
+    """Log predictive density of blocks left out."""
     left: float
+    """Squared residual that the curve leaves."""
     instant: tuple[float, ...] = ()
+    """When it changes, and the 90 % interval [s]; empty without one."""
     only: int = -1
+    """Number of the record in which it changes; -1: in each."""
 
     def curve(self, which: int) -> tuple[Floats, Floats]:
         """Return mean and covariance of one of the curves, shapes (k,) and (k, k)."""
@@ -137,14 +123,17 @@ def _interpolation(y: Floats, knots: Floats) -> csr_matrix:
 
 
 def blocks_of(problem: Problem, policy: LawPolicy) -> list[NDArray[np.intp]]:
-    """Return rows of blocks of time, all signals of a record together."""
+    """Return rows of blocks of time, or of every so manieth pose, all signals of a record together."""
     found = []
     for name in problem.records:
         rows = list(problem.rows_of(name))
         time = np.concatenate([each.time for each in rows])
         place = np.concatenate([np.arange(each.where.start, each.where.stop) for each in rows])
-        edges = np.linspace(time.min(), time.max(), policy.blocks + 1)[1:-1]
-        number = np.searchsorted(edges, time)
+        if problem.records[name].kind == "static":
+            number = np.rint(time).astype(int) % policy.blocks
+        else:
+            edges = np.linspace(time.min(), time.max(), policy.blocks + 1)[1:-1]
+            number = np.searchsorted(edges, time)
         found += [place[number == k] for k in range(policy.blocks) if np.any(number == k)]
     return found
 
@@ -261,6 +250,8 @@ class LawSearch:
 
     def _of(self, of: str) -> Law:
         chosen = self.law(of)
+        if "rate" not in self.states.values:  # poses: no sense of motion, and no instants
+            return chosen
         length = max(self.policy.curve_lengths)
         for other in (self.with_memory(of), self.change(of, length)):
             if (

@@ -37,7 +37,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.parameters import members_at
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.uncertainty import WITHIN, Estimates, estimates_at
+from flexarm.diagnosis.uncertainty import Estimates, estimates_at
 from flexarm.effects.tabulated_law import TabulatedLaw
 from flexarm.missing_law.gaussian import GaussianData, GaussianModel
 from flexarm.missing_law.latent import noise_scale, nuisance_projection, size_of
@@ -48,42 +48,22 @@ from flexarm.named_effects import Estimate
 
 @dataclass(frozen=True, eq=False)
 class FittedLaw:
-    """A law as an effect of a model.
-
-    Attributes
-    ----------
-    law : TabulatedLaw
-        With the posterior mean of its values.
-    root : ndarray, shape (k, ...)
-        A root of their covariance.
-    model : GaussianModel
-        Eq. (1) about the model before the last step.
-    fit : Fit
-        The model; the law is its last member.
-    sizes : Estimates
-        Values and deviations of all members, nuisance parameters and nominal values.
-    """
+    """A law as an effect of a model."""
 
     law: TabulatedLaw
+    """With the posterior mean of its values."""
     root: Floats
+    """A root of their covariance, shape (k, ...)."""
     model: GaussianModel
+    """Eq. (1) about the model before the last step."""
     fit: Fit
+    """The model; the law is its last member."""
     sizes: Estimates
+    """Values and deviations of all members, nuisance parameters and nominal values."""
 
 
 def fitted_law(estimator: Estimator, fit: Fit, law: TabulatedLaw, policy: LawPolicy) -> FittedLaw:
-    """Return a law whose values are fitted, beside the effects of a fit.
-
-    Parameters
-    ----------
-    estimator : Estimator
-        Records and nuisance parameters.
-    fit : Fit
-        Model without the law.
-    law : TabulatedLaw
-        First guess.
-    policy : LawPolicy
-        Settings.
+    """Return a law whose values are fitted from a first guess, beside the effects of a fit without it.
 
     Raises
     ------
@@ -141,24 +121,17 @@ def law_jacobian(
 
 @dataclass(frozen=True, eq=False)
 class _Mixture:
-    """Posterior of (1) over all likely sizes and lengths of the prior, each with the weight of its evidence.
-
-    Attributes
-    ----------
-    model, prior : GaussianModel and ndarray
-        The most likely one, and its L of (2).
-    values, root : ndarray, shapes (k,) and (k, ...)
-        Mean of f and a root of its covariance.
-    nuisance, deviation : ndarray, shape (m,)
-        Of z - z_0 and x.
-    """
+    """Posterior of (1) over all likely sizes and lengths of the prior, each weighted by its evidence."""
 
     model: GaussianModel
     prior: Floats
+    """The most likely one, and its L of (2)."""
     values: Floats
     root: Floats
+    """Mean of f and a root of its covariance."""
     nuisance: Floats
     deviation: Floats
+    """Of z - z_0 and x, shape (m,)."""
 
     @classmethod
     def of(cls, tried: Sequence[tuple[GaussianModel, Floats]]) -> _Mixture:
@@ -184,23 +157,16 @@ class _Mixture:
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """Mean of (1) about a model.
-
-    Attributes
-    ----------
-    mixture : _Mixture
-        Posterior of (1).
-    values, z, x : ndarray
-        f, parameters of found effects, nuisance parameters.
-    moves : float
-        Squared change of the residual over its noise.
-    """
+    """Mean of (1) about a model."""
 
     mixture: _Mixture
+    """Posterior of (1)."""
     values: Floats
     z: Floats
     x: Floats
+    """f, parameters of found effects, nuisance parameters."""
     moves: float
+    """Squared change of the residual over its noise."""
 
     def rests(self, policy: LawPolicy) -> bool:
         """Return True if the step changes next to nothing."""
@@ -336,7 +302,7 @@ class _Linearised:
         sizes = estimates_at(fit, step.mixture.deviation)
         spread = np.linalg.norm(root, axis=1)
         knots = tuple(
-            Estimate(name, value, std, value - WITHIN * std, value + WITHIN * std, unit)
+            Estimate.normal(name, value, std, unit)
             for (name, value, unit), std in zip(law.parameters(), spread.tolist(), strict=True)
         )
         return FittedLaw(

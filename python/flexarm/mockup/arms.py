@@ -32,13 +32,8 @@ AXIS = [0.0, 1.0, 0.0]
 def solid_arm(hinge: SolidHinge, like: Arm | None = None) -> Arm:
     """Return the finite-element model: the solid hinge with tube, load and points of another model.
 
-    Parameters
-    ----------
-    hinge : SolidHinge
-        The reduced hinge.
-    like : Arm, optional
-        A model with links `tube`, payload and points on it; default `model()`. Its `joint_compliance` and
-        whatever else acts at its hinge are left out: the parts take their place.
+    That model, by default `model()`, has links `tube`, payload and points on it. Its `joint_compliance` and
+    whatever else acts at its hinge are left out: the parts take their place.
     """
     base = like or model()
     tables = hinge_tables(hinge, base.joint("hinge").gear_ratio)
@@ -48,12 +43,7 @@ def solid_arm(hinge: SolidHinge, like: Arm | None = None) -> Arm:
 def bench_arm(hinge: SolidHinge, like: Arm) -> Arm:
     """Return the arm with the reducer as a spring and damper, and the drive effects of another model.
 
-    Parameters
-    ----------
-    hinge : SolidHinge
-        The reduced hinge.
-    like : Arm
-        A model with drive train, sensors and controllers, such as `mock_up()`.
+    That has drive train, sensors and controllers, such as `mock_up()`.
     """
     housing, hub = hinge.parts["housing"], hinge.parts["hub"]
     drive = like.joint("hinge").to_plain()

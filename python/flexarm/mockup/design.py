@@ -96,15 +96,6 @@ class RigidBodies(Table):
 class HingeDesign(Table):
     """Dimensions, mesh and reduction of the solid hinge.
 
-    Attributes
-    ----------
-    steel : Material
-        Of all solid parts.
-    housing, reducer, hub
-        Their dimensions [m].
-    mesh, modes, damping_time, rigid
-        How fine, how many internal modes, how damped; and the lumped bodies.
-
     Examples
     --------
     >>> from flexarm.mockup import HingeDesign
@@ -115,13 +106,16 @@ class HingeDesign(Table):
     format: Literal["flexarm-hinge/1"] = "flexarm-hinge/1"
     name: Name = "hinge"
     steel: Material
+    """Of all solid parts."""
     housing: HousingSize
     reducer: ReducerSize
     hub: HubSize
+    """Their dimensions [m]."""
     mesh: MeshSize
     modes: ModeCounts
     damping_time: DampingTimes
     rigid: RigidBodies
+    """How fine, how many internal modes, how damped; and the lumped bodies."""
 
     @classmethod
     def from_toml(cls, path: str | Path | None = None) -> Self:

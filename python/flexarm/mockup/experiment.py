@@ -35,28 +35,19 @@ FRAME_SIGMA = (1e-4, 3e-5)
 
 @dataclass(frozen=True)
 class Experiment:
-    """The motion that the arm is asked for, eq. (1).
-
-    Attributes
-    ----------
-    amplitude : float
-        A [rad].
-    period, duration : float
-        P and D [s].
-    rest : float
-        Time after the command's end that is still recorded [s].
-    sample_time : float
-        Of the command [s].
-    hanging : bool
-        About the hanging vertical instead of the upright one.
-    """
+    """The motion that the arm is asked for, eq. (1)."""
 
     amplitude: float = 1.2
+    """A [rad]."""
     period: float = 66.5
     duration: float = 133.0
+    """P and D [s]."""
     rest: float = 5.0
+    """Time after the command's end that is still recorded [s]."""
     sample_time: float = 2e-3
+    """Of the command [s]."""
     hanging: bool = False
+    """About the hanging vertical instead of the upright one."""
 
     def __post_init__(self) -> None:
         for name in ("amplitude", "period", "duration", "sample_time"):

@@ -20,41 +20,26 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True)
 class SolidHinge:
-    """The reduced hinge.
-
-    Attributes
-    ----------
-    design : HingeDesign
-        Its dimensions.
-    folder : Path
-        Where the files `housing.nc`, `reducer.nc` and `hub.nc` are.
-    parts : dict of str to SuperElement
-        The three groups, each in the arm's axes at q = 0 with the origin on the hinge axis.
-    meshes : dict of str to SolidMesh
-        What they were reduced from.
-    seconds : dict of str to float
-        What each part took, from mesh to file [s].
-    """
+    """The reduced hinge."""
 
     design: HingeDesign
     folder: Path
+    """Where the files `housing.nc`, `reducer.nc` and `hub.nc` are."""
     parts: Mapping[str, SuperElement]
+    """The three groups, each in the arm's axes at q = 0 with the origin on the hinge axis."""
     meshes: Mapping[str, SolidMesh]
+    """What they were reduced from."""
     seconds: Mapping[str, float] = field(default_factory=dict)
+    """What each part took, from mesh to file [s]."""
 
     def file(self, part: str) -> Path:
         """Return the path of a part's super-element."""
         return self.folder / f"{part}.nc"
 
     def with_compliance(self, factors: Mapping[str, float], folder: Path) -> SolidHinge:
-        """Return the hinge with parts whose compliance is multiplied; damping goes with the stiffness.
+        """Return the hinge with parts whose compliance is multiplied, its files in a folder.
 
-        Parameters
-        ----------
-        factors : mapping
-            Part -> factor on its compliance. A thousandth makes it as good as rigid.
-        folder : Path
-            Where the files of all three parts go.
+        Damping goes with the stiffness; a factor of a thousandth makes a part as good as rigid.
 
         Raises
         ------

@@ -54,15 +54,7 @@ def range_at_rest(signal: Signal) -> float:
 
 
 def uncovered(record: Record, signals: Iterable[Signal]) -> list[Problem]:
-    """Return what signals of a motion show while a joint angle that drives it is unknown.
-
-    Parameters
-    ----------
-    record : Record
-        Of kind "motion"; records of poses have no times.
-    signals : iterable of Signal
-        Signals of the record, to be looked at.
-    """
+    """Return what signals of a motion show while a joint angle that drives it is unknown."""
     seen = [signal for signal in signals if signal.valid.any()]
     return [problem for drive in _angles(record) for problem in _problems(record, drive, seen)]
 

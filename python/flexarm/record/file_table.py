@@ -50,42 +50,29 @@ Frames = Annotated[dict[Name, Annotated[Frame, BeforeValidator(_as_frame)]], Aft
 
 
 class SignalTable(Measurement):
-    """A signal of a record: what `Measurement` says, and where its samples stand.
-
-    Parameters
-    ----------
-    file : str
-        CSV file in the record's directory.
-    time : str, optional
-        Name of the column of stamps; not in a record of poses.
-    time_unit : str
-        Unit of the stamps, default s.
-    pose : str, optional
-        Name of the column of poses, in a record of poses.
-    channels : list of str
-        Names of the columns of values; of a frequency response real and imaginary part, one after the other.
-    frequency : str, optional
-        Name of the column of frequencies [Hz], in a record of frequency responses.
-    input : str, optional
-        There: name of the signal to which this one is the response; one without it is an input.
-    coherence : str, optional
-        There: name of the column of the coherence, in place of `noise_std`.
-    averages : int
-        There: number of averages of the coherence.
-    zero_std : float, optional
-        1 sigma of the zero of the sensor, in the unit of the values; not of places and attitudes.
-    """
+    """A signal of a record: what `Measurement` says, and where its samples stand."""
 
     file: str = Field("", description="name of a CSV file in the record's directory")
+    """CSV file in the record's directory."""
     time: str | None = None
+    """Name of the column of stamps; not in a record of poses."""
     time_unit: str = "s"
+    """Unit of the stamps, default s."""
     pose: str | None = None
+    """Name of the column of poses, in a record of poses."""
     channels: Names = Field((), description="names of the columns of values")
+    """Names of the columns of values; of a frequency response real and imaginary part, one after the
+    other."""
     frequency: str | None = None
+    """Name of the column of frequencies [Hz], in a record of frequency responses."""
     input: Name | None = None
+    """There: name of the signal to which this one is the response; one without it is an input."""
     coherence: str | None = None
+    """There: name of the column of the coherence, in place of `noise_std`."""
     averages: Whole = Field(1, ge=1, description="number of averages of the coherence")
+    """There: number of averages of the coherence."""
     zero_std: Number | None = value_in("unit", "1 sigma of the zero of the sensor", None, ge=0)
+    """1 sigma of the zero of the sensor, in the unit of the values; not of places and attitudes."""
 
     @property
     def si(self) -> tuple[str, float]:

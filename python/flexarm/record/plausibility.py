@@ -77,12 +77,7 @@ def _responses(record: Record) -> Iterable[Problem]:
 def unit_problems(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
     """Yield values that no sensor shows in the unit that is stated.
 
-    Parameters
-    ----------
-    record : Record
-        What was measured.
-    arm : Arm, optional
-        Whose gears are between the shafts of motors and what they turn.
+    Gears of the arm are between the shafts of motors and what they turn.
     """
     for name, frame in record.frames.items():
         if max(map(abs, frame.rpy)) > 2 * pi:

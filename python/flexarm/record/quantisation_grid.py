@@ -13,14 +13,9 @@ FEW = 8
 
 
 def quantisation_step(values: Floats, fewest: int = FEW) -> float:
-    """Return the step of (1); 0 if readings lie on no grid or are too few.
+    """Return the step of (1) of readings; 0 if they lie on no grid, or fewer than `fewest` differ.
 
-    Parameters
-    ----------
-    values : ndarray
-        Readings; those that are not finite are left out.
-    fewest : int
-        Least number of different ones, at least 2.
+    Those that are not finite are left out.
     """
     found = np.unique(np.round(values[np.isfinite(values)], 14))
     if len(found) < fewest:

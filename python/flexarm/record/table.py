@@ -23,23 +23,17 @@ class Clock(Table):
 
 
 class Frame(Table):
-    """A frame of measurement and how well its pose in the base is known.
-
-    Parameters
-    ----------
-    xyz, rpy : (3,)
-        Pose of the frame in the base [m, rad], URDF convention: p_base = R(rpy) p_measured + xyz.
-    translation, rotation : float
-        1 sigma of the registration, per axis [m, rad].
-    unknown : bool
-        Nothing is known: a rigid fit starts it.
-    """
+    """A frame of measurement and how well its pose in the base is known."""
 
     xyz: Vector3 = value_in("m", "translation", (0.0, 0.0, 0.0))
     rpy: Vector3 = value_in("rad", "roll, pitch, yaw", (0.0, 0.0, 0.0))
+    """Pose of the frame in the base [m, rad], URDF convention: p_base = R(rpy) p_measured + xyz, shape
+    (3,)."""
     translation: Number = value_in("m", "1 sigma of the translation", 0.0, ge=0)
     rotation: Number = value_in("rad", "1 sigma of the rotation", 0.0, ge=0)
+    """1 sigma of the registration, per axis [m, rad]."""
     unknown: bool = False
+    """Nothing is known: a rigid fit starts it."""
 
 
 class CarriedPayload(Table):
@@ -63,18 +57,13 @@ class DrawnLink(Table):
 
 
 class BaseStand(Table):
-    """How the base stood in a run, as measured with a level or a tracker.
-
-    Parameters
-    ----------
-    tilt : (2,)
-        Rotation vector about the base's x and y [rad]; gravity and frames of measurement do not turn.
-    sigma : float
-        1 sigma of each of them [rad].
-    """
+    """How the base stood in a run, as measured with a level or a tracker."""
 
     tilt: Vector2 = value_in("rad", "tilt about the base's x and y")
+    """Rotation vector about the base's x and y [rad]; gravity and frames of measurement do not turn, shape
+    (2,)."""
     sigma: Number = value_in("rad", "1 sigma of the tilt about each axis", 0.0, ge=0)
+    """1 sigma of each of them [rad]."""
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -152,14 +152,7 @@ def _one_of(alike: list[tuple[str, str]]) -> Problem:
 def implausible_duration(span: Span, motions: Sequence[Motion], remedy: str = REMEDY) -> Iterable[str]:
     """Yield a sentence on a run of hours (2), with the likely unit of its stamps.
 
-    Parameters
-    ----------
-    span : Span
-        How long it lasts, at its highest rate.
-    motions : sequence of Motion
-        What moves.
-    remedy : str
-        What to do about stamps in another `{unit}`.
+    The remedy says what to do about stamps in another `{unit}`.
     """
     if span.seconds <= LONG:
         return

@@ -1,43 +1,39 @@
-"""The directory of a calibration: calibration.json, report.html, updated.toml, gaps.nc and the figures."""
+"""A calibration as a directory (JSON, page, updated.toml, gaps.nc, figures) and as text in a terminal."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import exp
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from flexarm.comparison.comparison import frame_words
+from flexarm.named_effects import Estimate
 from flexarm.netcdf import save
 from flexarm.output import PAGE, stems, write_file
-from flexarm.report.calibration_figures import correlations, members
-from flexarm.report.calibration_summary import family_sentence, fit_sentence, headline, pair_sentence, row
-from flexarm.report.files import Drawing, drawn, write_files
-from flexarm.report.gap_curves import sides
+from flexarm.report.files import Drawing, drawn, filled, write_files
+from flexarm.report.gap_curves import AFTER, sides
 from flexarm.report.gap_figures import gap_along
 from flexarm.report.gap_tables import gap_tables
 from flexarm.report.report_file import provenance_of
+from flexarm.report.sheets import WIDTH, log_if_wide, margin_for, sheet
 from flexarm.report.storage import GAPS, MODEL, gap_contents
-from flexarm.report.template import filled
+from flexarm.report.summary import gap_lines, wrapped
+from flexarm.wording import effect_words, interval, listed, number, scale, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from flexarm.calibration.estimates import CalibratedFamily, CalibratedParameter
     from flexarm.calibration.result import Calibration
 
 REPORT, KIND = "calibration.json", "calibration"
 
 
 def write(found: Calibration, directory: Path, model: Path | None = None) -> None:
-    """Write the files into a directory that is there.
-
-    Parameters
-    ----------
-    found : Calibration
-        What was estimated.
-    directory : Path
-        See `flexarm.output.output_directory` for one that is whole or not there.
-    model : Path, optional
-        File of the nominal model: updated.toml keeps its comments.
-    """
+    """Write the files into a directory that is there; updated.toml keeps the comments of the model file."""
     drawings = drawn(_figures(found))
     write_files(directory, drawings, (PAGE, page(found, drawings)), (REPORT, found.to_json_dict()))
     path = directory / MODEL
@@ -87,3 +83,136 @@ def _figures(found: Calibration) -> Iterator[tuple[str, str, str, Figure | None]
         "Correlations of the parameters that the data determine, in the order of the table.",
         correlations(found),
     )
+
+
+UNKNOWN = "#999999"
+
+
+def members(found: Calibration) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure of each family: its members with 90 % intervals."""
+    for family in found.families:
+        yield f"{family.effect}-{family.parameter}", _members(found, family)
+
+
+def _members(found: Calibration, family: CalibratedFamily) -> Figure:
+    keys = [f"effects.{family.effect}.{at}.{family.parameter}" for at in family.at]
+    estimates = [found.parameter(key) for key in keys]
+    factor, unit = scale([each.value for each in estimates], family.unit)
+    figure, axes = sheet(1, 1, 0.2 * len(keys) + 0.2, left=margin_for(family.at), legend=False)
+    ax = axes[0, 0]
+    if family.shared is not None:
+        ax.axvspan(factor * family.shared.low90, factor * family.shared.high90, color=AFTER, alpha=0.2, lw=0)
+        ax.axvline(factor * family.shared.value, color=AFTER, lw=0.8)
+    for k, each in enumerate(estimates):
+        ends = [[factor * (each.value - each.low90)], [factor * (each.high90 - each.value)]]
+        colour = AFTER if each.determined else UNKNOWN
+        ax.errorbar([factor * each.value], [k], xerr=ends, fmt="o", ms=4, capsize=3, color=colour)
+    ax.set(yticks=range(len(keys)), yticklabels=list(family.at), ylim=(len(keys) - 0.5, -0.5))
+    ax.set_xlabel(f"{family.parameter} [{unit or '-'}]")
+    ax.set_title(effect_words(family.effect))
+    if family.shared is not None:
+        log_if_wide(ax, "x", [factor * end for each in estimates for end in (each.low90, each.high90)])
+    return figure
+
+
+def correlations(found: Calibration) -> Figure | None:
+    """Return the matrix of determined parameters; None of less than two."""
+    known = [k for k, each in enumerate(found.parameters) if each.determined]
+    if len(known) < 2:
+        return None
+    names = [found.parameters[k].name for k in known]
+    few = len(names) <= 30
+    taken = 0.85  # of the sheet's width; the rest is for the scale of colours
+    left = margin_for(names, 6.0) if few else 0.4
+    size = taken * (WIDTH - left)
+    figure, axes = sheet(1, 1, size, left=left, legend=False)
+    ax = axes[0, 0]
+    box = ax.get_position()
+    ax.set_position((box.x0, box.y0, taken * box.width, box.height))
+    scale_of = figure.add_axes((box.x0 + (taken + 0.03) * box.width, box.y0, 0.02, box.height))
+    values = found.correlations[np.ix_(known, known)]
+    image = ax.imshow(values, cmap="RdBu_r", vmin=-1, vmax=1, aspect="auto", interpolation="nearest")
+    ax.grid(visible=False)
+    if few:
+        ax.set_yticks(range(len(names)), names, fontsize=6)
+        ax.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))], fontsize=6)
+    ax.set_xlabel("parameter, in the order of the table")
+    figure.colorbar(image, ax=ax, cax=scale_of, label="correlation [-]")
+    return figure
+
+
+def headline(found: Calibration) -> str:
+    """Return how the gap shrinks on what was held out, or on the training where nothing was."""
+    records = found.held_out or found.training
+    gap = found.gap(records)
+    sizes = (gap.before_rms, gap.after_rms, gap.noise_rms)
+    before, after, noise = (with_unit(value, found.unit) for value in sizes)
+    where = "held-out data" if found.held_out else "the training"
+    return f"{found.main_signal}: rms gap on {where} {before} -> {after}, noise {noise}"
+
+
+def fit_sentence(found: Calibration) -> str:
+    """Return the number of parameters and chi-square in a sentence."""
+    chi, known = found.chi_square, sum(each.determined for each in found.parameters)
+    return (
+        f"{len(found.parameters)} parameters, {known} of them determined by the data; chi-square "
+        f"{number(chi.value, 4)} of {chi.rows} residuals and {number(chi.parameters)} effective parameters, "
+        f"reduced {number(chi.reduced)}"
+    )
+
+
+def family_sentence(family: CalibratedFamily) -> str:
+    """Return what a family shares, and how its members differ."""
+    name = f"{effect_words(family.effect)}, {family.parameter}, at {len(family.at)} places"
+    if family.shared is None:
+        return f"{name}: rms size {with_unit(family.spread, family.unit)}"
+    shared = family.shared
+    value, low, high, unit = interval(
+        Estimate(family.parameter, shared.value, 0.0, shared.low90, shared.high90, family.unit)
+    )
+    return (
+        f"{name}: shared size {value} {unit}, 90 % interval {low} to {high}; "
+        f"members differ by a factor {number(exp(family.spread))} (1 sigma)"
+    )
+
+
+def row(each: CalibratedParameter) -> tuple[str, str, str, str, str]:
+    """Return name, value, interval, unit and identifiability of an estimate."""
+    value, low, high, unit = interval(
+        Estimate(each.name, each.value, each.std, each.low90, each.high90, each.unit)
+    )
+    return each.name, value, f"{low} to {high}", unit, f"{100 * each.identifiability:.0f} %"
+
+
+def pair_sentence(pair: tuple[str, str, float]) -> str:
+    """Return a pair of correlated parameters."""
+    return f"{pair[0]} and {pair[1]}: {pair[2]:+.3f}"
+
+
+def summary(found: Calibration) -> str:
+    """Return all that matters on one screen."""
+    known = [each for each in found.parameters if each.determined]
+    left = [each.name for each in found.parameters if not each.determined]
+    pairs = found.confounded[:12]  # calibration.json has all
+    parts = [
+        [headline(found), *wrapped(fit_sentence(found))],
+        [line for family in found.families for line in wrapped(family_sentence(family), "", "  ")],
+        ["determined by the data, with 90 % intervals, and the share of the prior variance removed"]
+        * bool(known)
+        + _table([row(each) for each in known]),
+        wrapped(f"left near what was known before: {listed(left)}", "", "  ") if left else [],
+        ["correlated"] * bool(pairs) + [f"  {pair_sentence(pair)}" for pair in pairs],
+        [frame_words(each.name, (list(each.xyz), list(each.rpy))) for each in found.frames],
+        gap_lines(found, lambda name: f"{name}{' (held out)' * (name in found.held_out)}"),
+        [line for remark in found.remarks for line in wrapped(f"note: {remark}", "", "  ")],
+    ]
+    return "\n\n".join("\n".join(part) for part in parts if part)
+
+
+def _table(rows: list[tuple[str, str, str, str, str]]) -> list[str]:
+    """Return rows with columns that align."""
+    widths = [max((len(each[k]) for each in rows), default=0) for k in range(5)]
+    return [
+        f"  {name:<{widths[0]}}  {value:>{widths[1]}} {unit:<{widths[3]}}  {ends:>{widths[2]}}  {share:>5}"
+        for name, value, ends, unit, share in rows
+    ]

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.report.files import Drawing, drawn
+from flexarm.report.files import Drawing, drawn, filled
 from flexarm.report.sheets import legend_below, margin_for, sheet
-from flexarm.report.template import filled
 from flexarm.wording import number, scale, with_unit
 
 if TYPE_CHECKING:
@@ -23,22 +22,10 @@ if TYPE_CHECKING:
 
 BLUE, ORANGE, GREY = "#0072b2", "#e69f00", "#777777"
 """Of Okabe and Ito's colours, told apart by everyone."""
-MOST_BANDS, MOST_TRENDS, MOST_GROUPS, MOST_SENTENCES = 9, 3, 10, 3
-"""Series, trends and machines that are drawn, and results of which the headline tells."""
-KNOWN = 2.0
-"""Standard errors from which a trend is told as one."""
 
 
 def page(findings: Findings, record: Mapping[str, Any]) -> str:
-    """Return the page as HTML.
-
-    Parameters
-    ----------
-    findings : Findings
-        What the campaign says.
-    record : dict
-        What study.json holds.
-    """
+    """Return the page of findings as HTML; `record` is what study.json holds."""
     return filled(
         "campaign.html.j2",
         f=findings,
@@ -46,9 +33,7 @@ def page(findings: Findings, record: Mapping[str, Any]) -> str:
         headline=list(_headline(findings)),
         targets=[_target_row(each) for each in findings.targets],
         indices=[_index_rows(findings, each) for each in findings.targets if each.indices is not None],
-        total=any(
-            each.indices is not None and np.isfinite(each.indices.total).any() for each in findings.targets
-        ),
+        total=_has_total(findings.targets),
         costs=[_cost_rows(findings, each) for each in findings.costs],
         yields=[
             (each.name, with_unit(each.tolerance, each.unit), *_shares(each.share, each.low90, each.high90))
@@ -66,11 +51,7 @@ def drawings(findings: Findings) -> list[Drawing]:
 
 
 def _headline(f: Findings) -> Iterator[str]:
-    yield (
-        f"{f.count} runs, of which {f.failed} failed."
-        if f.failed
-        else f"{f.count} runs, none of which failed."
-    )
+    yield f"{f.count} runs, {f'of which {f.failed}' if f.failed else 'none of which'} failed."
     for each in f.yields:
         share, low, high = _shares(each.share, each.low90, each.high90)
         yield f"{share} ({low} to {high}) stay within {with_unit(each.tolerance, each.unit)} of {each.name}."
@@ -78,12 +59,12 @@ def _headline(f: Findings) -> Iterator[str]:
         k = int(np.argmax(cost.first))
         alone, whole = (with_unit(size, cost.unit) for size in (float(cost.each[k]), cost.rms))
         yield f"{f.parameters[k][0]} costs most: {alone} rms of {cost.name} alone, of {whole} in all."
-    for target in f.targets[: 0 if f.costs else MOST_SENTENCES]:
+    for target in f.targets[: 0 if f.costs else 3]:
         if target.indices is not None:
             k = int(np.argmax(target.indices.first))
             part = 100 * max(0.0, float(target.indices.first[k]))
             yield f"{f.parameters[k][0]} alone explains {part:.0f} % of the variance of {target.name}."
-    if f.trends and abs(f.trends[0].score) >= KNOWN:
+    if f.trends and abs(f.trends[0].score) >= 2:  # standard errors
         surest = f.trends[0]
         way = "grows" if surest.slope * (surest.mean or 1) > 0 else "shrinks"
         yield f"{surest.name} {way} by {_change(surest, f.time)}: the surest trend."
@@ -174,10 +155,10 @@ def _figures(f: Findings) -> Iterator[tuple[str, str, str, Figure | None]]:
         yield "indices", "indices", caption, _index_bars(f, with_indices[:6])
     if f.bands:
         caption = "Deviation from the nominal run: median, and bands that hold 50 and 90 % of the runs."
-        yield "bands", "bands", caption, _bands(f.bands[:MOST_BANDS])
+        yield "bands", "bands", caption, _bands(f.bands[:9])
     if f.trends:
         caption = "What the diagnoses found, by machine, and the pooled trend (black)."
-        yield "trends", "trends", caption, _trends(f.trends[:MOST_TRENDS], f.time)
+        yield "trends", "trends", caption, _trends(f.trends[:3], f.time)
 
 
 def _histograms(targets: Sequence[Target]) -> Figure:
@@ -195,7 +176,8 @@ def _histograms(targets: Sequence[Target]) -> Figure:
         ax.set_xlabel(f"{_quantity(each.name)} [{unit or '-'}]")
     for ax in axes[:, 0]:
         ax.set_ylabel("runs")
-    _hide_rest(axes, len(targets))
+    for ax in list(axes.flat)[len(targets) :]:
+        ax.set_visible(False)
     return figure
 
 
@@ -262,7 +244,7 @@ def _trends(trends: Sequence[Trend], time: str) -> Figure:
     for ax, each in zip(axes[:, 0], trends, strict=True):
         factor, unit = scale(each.value, each.unit)
         groups = list(dict.fromkeys(each.group))
-        for name in groups[:MOST_GROUPS]:
+        for name in groups[:10]:
             rows = np.array([group == name for group in each.group])
             order = np.argsort(each.time[rows])
             ax.plot(each.time[rows][order], factor * each.value[rows][order], "o-", ms=3, lw=0.8, alpha=0.7)
@@ -275,8 +257,3 @@ def _trends(trends: Sequence[Trend], time: str) -> Figure:
         "time since the first date [year]" if time == "year" else f"{time} since the first"
     )
     return figure
-
-
-def _hide_rest(axes: Any, count: int) -> None:
-    for ax in list(axes.flat)[count:]:
-        ax.set_visible(False)

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from flexarm.arm.effect import effect_class
+from flexarm.budget import ended_early
+from flexarm.report.files import filled
 from flexarm.report.gap_tables import gap_tables
 from flexarm.report.law_figures import law_rows
 from flexarm.report.sentences import (
@@ -23,33 +25,30 @@ from flexarm.report.sentences import (
     stated_sentence,
     verdict_sentence,
 )
-from flexarm.report.statistics_tables import channel_rows, correlation_rows, motion_rows, unseen_sentence
-from flexarm.report.template import filled
 from flexarm.tables import toml_text
-from flexarm.wording import interval, number, place_words, probability, scale, signed, with_unit
+from flexarm.wording import (
+    effect_words,
+    interval,
+    listed,
+    number,
+    place_words,
+    probability,
+    scale,
+    signed,
+    with_unit,
+)
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
+    from flexarm.fit_statistics import FitStatistics
     from flexarm.named_effects import Alternative, Estimate, NamedEffect
     from flexarm.report.files import Drawing
 
 Row = dict[str, Any]
-MOST_REJECTED = 12
-"""Candidates listed; the file report.json has all."""
 
 
 def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -> str:
-    """Return the page as HTML.
-
-    Parameters
-    ----------
-    d : Diagnosis
-        What was found.
-    drawings : sequence of Drawing
-        The figures, drawn.
-    report : dict
-        The content of `report.json`, whose provenance is shown.
-    """
+    """Return the page as HTML, with the figures as they were drawn and the provenance of `report.json`."""
     filters = {
         "place": lambda each: place_words(each["name"], each["at"]),
         "breakable": lambda key: Markup("<wbr>").join(re.split(r"(?<=[._/])", key)),
@@ -59,6 +58,7 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         filters,
         d=d,
         headline=headline(d),
+        early=ended_early(d.remarks),
         verdict=verdict_sentence(d),
         foretold=foretold_sentence(d),
         remarks=remarks_beside(d),
@@ -191,7 +191,7 @@ def _nuisance_rows(d: Diagnosis) -> Iterator[Row]:
 
 def _rejected_rows(d: Diagnosis) -> list[Row]:
     """Return the nearest of the candidates that were not taken."""
-    best = sorted(d.rejected, key=lambda each: -each.log_bayes_factor)[:MOST_REJECTED]
+    best = sorted(d.rejected, key=lambda each: -each.log_bayes_factor)[:12]
     return [
         {
             "title": place_words(each.name, each.at),
@@ -208,3 +208,42 @@ def _diff(d: Diagnosis) -> Iterator[Row]:
     for line in list(unified_diff(old, new, "nominal", "updated.toml", lineterm="", n=3))[2:]:
         kind = {"+": "plus", "-": "minus", "@": "place"}.get(line[:1], "")
         yield {"kind": kind, "text": "…" if kind == "place" else line}
+
+
+def channel_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
+    """Return a row for each channel; one of several in a signal is told by its axis."""
+    several = {(c.record, c.signal) for c in statistics.channels if c.channel > 0}
+    for each in statistics.channels:
+        axis = "xyz"[each.channel] if each.channel < 3 else str(each.channel)
+        lag = each.autocorrelation
+        yield {
+            "record": each.record,
+            "signal": f"{each.signal} {axis}" if (each.record, each.signal) in several else each.signal,
+            "rows": str(each.rows),
+            "chi_square": number(each.chi_square, 2),
+            "autocorrelation": "–" if lag is None else _minus(signed(lag, 2)),
+            "discrepancy": number(each.discrepancy, 2) if each.discrepancy > 0 else "none",
+            "length": "–" if each.length is None else f"{number(each.length, 2)} s",
+        }
+
+
+def correlation_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
+    """Return a row for each pair of correlated parameters."""
+    for each in statistics.correlations:
+        one, other = each.parameters
+        yield {"one": one, "other": other, "value": _minus(signed(each.value, 3))}
+
+
+def motion_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
+    """Return a row for each driven joint of a record: its range and rate."""
+    for each in statistics.motions:
+        factor, unit = scale([each.lowest, each.highest], each.unit)
+        low, high = (_minus(number(factor * end, 3)) for end in (each.lowest, each.highest))
+        rate = "–" if each.rms_rate is None else f"{number(each.rms_rate, 3)} {each.unit}/s"
+        yield {"record": each.record, "joint": each.joint, "range": f"{low} to {high} {unit}", "rate": rate}
+
+
+def unseen_sentence(statistics: FitStatistics) -> str:
+    """Return a sentence on effects that could not have been named; empty if there are none."""
+    names = [effect_words(name) for name in statistics.unseen]
+    return f"These signals and motions could not have shown: {listed(names)}." if names else ""

@@ -1,10 +1,10 @@
-"""The files of a report: its figures, its page, and the object for programs."""
+"""The files of a report: its figures, its page from a template, and the object for programs."""
 
 from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
@@ -15,7 +15,6 @@ from flexarm.output import FIGURE, write_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
 
 STYLE: Any = {
     "font.size": 9,
@@ -35,8 +34,6 @@ STYLE: Any = {
     "savefig.dpi": 300,
     "pdf.fonttype": 42,
 }
-DOTS = 170
-"""Resolution [per inch]: sharp at the page's full width."""
 
 
 @contextmanager
@@ -50,19 +47,7 @@ def style() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure of a page.
-
-    Attributes
-    ----------
-    name : str
-        Of its file, without `.png`.
-    section : str
-        Where on the page it stands.
-    caption : str
-        What it shows.
-    png : bytes
-        The image.
-    """
+    """A figure of a page: name of its file without `.png`, section of the page, caption, and the image."""
 
     name: str
     section: str
@@ -76,14 +61,10 @@ class Drawing:
 
 
 def drawn(figures: Iterable[tuple[str, str, str, Figure | None]], **options: Any) -> list[Drawing]:
-    """Draw figures as images once, for their files and the page.
+    """Draw figures as images once, for their files and the page, in the style of a journal.
 
-    Parameters
-    ----------
-    figures : iterable of (str, str, str, Figure or None)
-        Name, section, caption and figure; made here, in the style of a journal. What is None is left out.
-    **options
-        As of `Figure.savefig`.
+    Each comes as name, section, caption and figure; one that is None is left out. Options are those of
+    `Figure.savefig`.
     """
     with style():
         return [
@@ -95,24 +76,14 @@ def drawn(figures: Iterable[tuple[str, str, str, Figure | None]], **options: Any
 
 def _png(figure: Figure, **options: Any) -> bytes:
     content = BytesIO()
-    figure.savefig(content, format="png", dpi=DOTS, metadata={"Software": FIGURE}, **options)
+    figure.savefig(content, format="png", dpi=170, metadata={"Software": FIGURE}, **options)
     return content.getvalue()
 
 
 def write_files(
     directory: Path, drawings: Sequence[Drawing], page: tuple[str, str], report: tuple[str, Mapping[str, Any]]
 ) -> None:
-    """Write figures, page and object into a directory that exists.
-
-    Parameters
-    ----------
-    directory : Path
-        See `flexarm.output.output_directory` for one that is whole or not there.
-    drawings : sequence of Drawing
-        The figures.
-    page, report : (str, str) and (str, dict)
-        Name and content of the page and of the JSON file; numbers must be finite.
-    """
+    """Write figures, page and JSON file (name and content, numbers finite) into a directory that exists."""
     for drawing in drawings:
         write_file(directory / f"{drawing.name}.png", drawing.png)
     name, html = page
@@ -120,3 +91,18 @@ def write_files(
     name, content = report
     text = json.dumps(content, indent=2, allow_nan=False)
     write_file(directory / name, text + "\n")
+
+
+def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = None, **values: Any) -> str:
+    """Return a template of this folder with its values, which are escaped; a missing value is an error."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("flexarm.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= filters or {}
+    return environment.get_template(template).render(**values)

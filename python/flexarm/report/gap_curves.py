@@ -25,8 +25,6 @@ LOOKS: dict[str, dict[str, Any]] = {
     "updated model": {"color": AFTER, "marker": "s"},
 }
 """Okabe and Ito's colours, told apart by everyone; markers differ too."""
-FAR_AWAY = 1e3
-"""Stamps from which an axis of time begins anew [s]."""
 MANY = 400
 """Samples beyond which lines stand without markers."""
 
@@ -95,9 +93,9 @@ def along(gap: SignalGap) -> str:
 
 
 def zero_of(time: Floats) -> float:
-    """Where an axis of time begins: 0, or the whole second before stamps that count from far away."""
+    """Return where an axis of time begins: 0, or the whole second before stamps beyond 1000 s."""
     first = float(np.floor(time[0])) if len(time) else 0.0
-    return first if abs(first) > FAR_AWAY else 0.0
+    return first if abs(first) > 1e3 else 0.0
 
 
 def noise_of(gap: SignalGap) -> float | None:
@@ -112,20 +110,10 @@ def draw(
     factor: float,
     over: Mapping[str, Floats] | None = None,
 ) -> None:
-    """Nominal and updated model, or one of them, along the record.
+    """Draw the gaps by model, as `sides` gives them, in one direction along the record.
 
-    Parameters
-    ----------
-    ax : matplotlib Axes
-        Where to draw.
-    gaps : dict of str to SignalGap
-        By model, as `sides` gives them.
-    direction : str
-        Which part.
-    factor : float
-        From the gap's unit to the drawn one.
-    over : dict of str to ndarray, optional
-        What each gap is drawn against, as dots; default: its time, as a line.
+    `factor` leads from the gap's unit to the drawn one. With `over` they are dots over that, else a line over
+    time.
     """
     noise = noise_of(list(gaps.values())[-1])
     if noise:

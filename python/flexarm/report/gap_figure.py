@@ -11,6 +11,7 @@ import numpy as np
 
 from flexarm.errors import InvalidParameter
 from flexarm.report.gap_curves import AFTER, BEFORE, NOISE, zero_of
+from flexarm.report.state_figures import largest_direction, of_joint, turned_most
 from flexarm.wording import scale
 
 if TYPE_CHECKING:
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from flexarm.residual_analysis.residual_parts import SignalResidual
 
 
-RECORDS = 4
-"""Most records that are drawn against time."""
 Thing = TypeVar("Thing")
 
 
@@ -38,10 +37,8 @@ def gap_figure(
 
     Parameters
     ----------
-    before : Localisation
-        With the nominal model.
-    after : Localisation, optional
-        With another one, of the same records, drawn over it.
+    before, after : Localisation
+        With the nominal model, and with another one, of the same records, that is drawn over it.
     signal : str, optional
         Default: the one that holds most of the squared gap before, over the noise.
     direction : str, optional
@@ -55,10 +52,10 @@ def gap_figure(
         If there is no such signal, direction or joint.
     """
     rows = _named(before.gaps, signal or _largest(before), "signal")
-    name = direction or max(rows.directions, key=lambda key: float(np.sum(rows.directions[key] ** 2)))
+    name = direction or largest_direction(rows)
     _named(rows.directions, name, "direction")
     states = {each.joint: each for each in rows.states}
-    chosen = _named(states, joint or _turned_most(before, states), "joint")
+    chosen = _named(states, joint or turned_most(before, rows).joint, "joint")
     drawn = [(rows, BEFORE if after else AFTER, "before" if after else "gap")]
     if after is not None:
         drawn.append((_named(after.gaps, rows.signal, "signal"), AFTER, "after"))
@@ -79,7 +76,7 @@ class _Sheet:
         import matplotlib.pyplot as plt
 
         kinds = ("angle", "rate", "torque") if self.states.moves else ("angle", "torque")
-        records = self.rows.labels[:RECORDS] if self.states.moves else ()
+        records = self.rows.labels[:4] if self.states.moves else ()
         figure = plt.figure(figsize=(9.5, 2.6 * (1 + len(records))), layout="constrained")
         grid = figure.add_gridspec(1 + len(records), 6)
         width = 6 // len(kinds)
@@ -97,7 +94,7 @@ class _Sheet:
 
     def _against_state(self, ax: Axes, kind: str) -> None:
         for gap, colour, label in self.drawn:
-            states = next(each for each in gap.states if each.joint == self.states.joint)
+            states = of_joint(gap.states, self.states.joint)
             values = self._scale[0] * gap.directions[self.direction]
             ax.plot(getattr(states, kind), values, ".", ms=2.5, color=colour, label=label)
         self._dress(ax, f"{kind} of {self.states.joint} [{self.states.units[kind]}]")
@@ -132,12 +129,6 @@ def _largest(located: Localisation) -> str:
     if not located.gaps:
         raise InvalidParameter("holds no gap to draw", where="located")
     return max(located.gaps, key=lambda name: float(np.sum(located.gaps[name].whitened ** 2)))
-
-
-def _turned_most(located: Localisation, states: Mapping[str, object]) -> str:
-    """Return the joint whose equivalent rotation holds most of the gap."""
-    ranked = [each.joint for each in located.rotations.joints] if located.rotations else []
-    return next((joint for joint in ranked if joint in states), next(iter(states)))
 
 
 def _named(found: Mapping[str, Thing], name: str, kind: str) -> Thing:

@@ -26,15 +26,7 @@ CHANGED, NOTICED = 0.1, 0.5
 
 @dataclass(frozen=True)
 class GapTable:
-    """The gap of one signal.
-
-    Attributes
-    ----------
-    signal, unit : str
-        Which, and the unit of the cells.
-    rows : tuple of (str, tuple of str)
-        Name of a record, and its gap: rms before and after, noise, greatest before and after.
-    """
+    """The gap of one signal by record: rms before and after, noise, greatest before and after [unit]."""
 
     signal: str
     unit: str

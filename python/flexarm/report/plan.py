@@ -1,10 +1,6 @@
-"""The directory of a plan: plan.json for programs, plan.html for a person, the figures.
+"""A plan as a directory (plan.json for programs, plan.html for a person, figures) and as text in a terminal.
 
-Pictures of a plan: which effect would be taken for which, and how small an effect is still seen.
-
-`plan.json`: a plan for programs.
-
-A plan as text in a terminal: sizes that are seen, effects that cannot be parted, what would part them.
+Figures show which effect would be taken for which, and how small an effect is still seen.
 """
 
 from __future__ import annotations
@@ -17,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.report.diagnosis_page import effect_law
-from flexarm.report.files import Drawing, drawn, write_files
+from flexarm.report.files import Drawing, drawn, filled, write_files
 from flexarm.report.sheets import margin_for, sheet
-from flexarm.report.template import filled
 from flexarm.wording import listed, number, place_words, with_unit
 
 if TYPE_CHECKING:
@@ -31,10 +26,6 @@ if TYPE_CHECKING:
 
 FILE, PAGE = "plan.json", "plan.html"
 """Names of the files beside the figures."""
-MOST_RIVALS = 3
-"""Effects that one could be taken for which are written out; the rest is counted."""
-ROW = 0.19
-"""Height of an effect in a figure [in]."""
 
 
 def write(plan: Plan, directory: Path) -> None:
@@ -66,7 +57,7 @@ def page(plan: Plan, figures: list[Drawing]) -> str:
 def _figures(plan: Plan) -> Iterator[tuple[str, str, str, Figure]]:
     labels = [place_words(*each.place) for each in plan.effects]
     margin = margin_for(labels, 7)
-    figure, axes = sheet(1, 1, ROW * len(labels) + 0.2, left=margin, legend=False)
+    figure, axes = sheet(1, 1, 0.19 * len(labels) + 0.2, left=margin, legend=False)
     draw_sizes(plan, axes[0, 0])
     yield (
         "smallest-sizes",
@@ -111,7 +102,7 @@ def value_words(effect: PlannedEffect) -> str:
 def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
     for i, each in enumerate(plan.effects):
         rivals = [place_words(*plan.effects[j].place) for j in plan.rivals(i)] if each.seen else []
-        more = len(rivals) - MOST_RIVALS if len(rivals) > MOST_RIVALS + 1 else 0
+        more = len(rivals) - 3 if len(rivals) > 4 else 0
         yield {
             "title": place_words(*each.place),
             "what": effect_law(each.name),
@@ -122,7 +113,7 @@ def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
             "hidden": each.hidden,
             "rivals": rivals,
             "more": more,
-            "shown": ", ".join(rivals[:MOST_RIVALS]) + f" and {more} more" if more else ", ".join(rivals),
+            "shown": ", ".join(rivals[:3]) + f" and {more} more" if more else ", ".join(rivals),
         }
 
 
@@ -273,10 +264,6 @@ def _finite(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-MOST_TIES = 12
-"""Tied pairs that are printed; the file plan.json has all."""
-
-
 def headline(plan: Plan) -> str:
     """Return the plan in a sentence."""
     seen = [e for e in plan.effects if e.seen]
@@ -336,8 +323,8 @@ def _addition_lines(plan: Plan) -> list[str]:
     for words, minutes, count in plan.additions():
         lines.append(f"  {count:4d}  {words} (some {minutes:g} min)")
     lines += ["", "cheapest addition by pair:"]
-    lines += [f"  {_tie_words(tie)}" for tie in plan.ties[:MOST_TIES]]
-    more = len(plan.ties) - MOST_TIES
+    lines += [f"  {_tie_words(tie)}" for tie in plan.ties[:12]]
+    more = len(plan.ties) - 12
     return [*lines, f"  and {more} more pairs (plan.json of --out has all)"] if more > 0 else lines
 
 

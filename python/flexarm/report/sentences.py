@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexarm.budget import ended_early
 from flexarm.report.gap_tables import changed_signals, changes
 from flexarm.wording import listed, number, place_words, probability, scale, signed, with_unit
 
@@ -24,16 +25,14 @@ HEADLINES = {
 RESIZED = "An effect of the model has other values than stated"
 LISTED = 3
 """Most refined values, and signals, that a verdict names; tables have all."""
-FAR = 3.0
-"""Stated sigmas beyond which a refined nominal value is said first: one value in 370 by chance."""
-ALIKE = 20.0
-"""How many times less probable a rival may be that the data cannot tell from an effect."""
 
 
 def headline(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline; several effects in the plural, those that the model has already as
     such.
     """
+    if diagnosis.verdict == "unexplained" and ended_early(diagnosis.remarks):
+        return "A gap remains, and the time for the search ended"
     if diagnosis.verdict != "effects":
         return HEADLINES[diagnosis.verdict]
     count, resized = len(diagnosis.effects), sum(in_model(diagnosis, each) for each in diagnosis.effects)
@@ -56,8 +55,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 
 
 def moved_sentence(diagnosis: Diagnosis) -> str:
-    """Return which nominal values moved by more than `FAR` of their sigmas; empty if none did."""
-    far = [each for each in diagnosis.refinements if each.pull is not None and abs(each.pull) > FAR]
+    """Return which nominal values moved beyond 3 sigma, one in 370 by chance; empty if none did."""
+    far = [each for each in diagnosis.refinements if each.pull is not None and abs(each.pull) > 3]
     if not far:
         return ""
     told = [
@@ -94,8 +93,8 @@ FITS_TOO = "would fit as well, but with values that few machines have"
 
 
 def rivals(effect: NamedEffect) -> tuple[list[Alternative], list[Alternative]]:
-    """Alternatives that are about as probable, and those that fit as well and are implausible."""
-    near = [other for other in effect.alternatives if ALIKE * other.probability >= effect.probability]
+    """Return alternatives at most 20 times less probable, and implausible ones that fit as well."""
+    near = [other for other in effect.alternatives if 20 * other.probability >= effect.probability]
     return near, [other for other in effect.alternatives if other not in near]
 
 
@@ -110,11 +109,8 @@ def stated_sentence(diagnosis: Diagnosis, effect: NamedEffect) -> str:
     if old is None or len(effect.places) > 1:
         return ""
     known = {name: value for name, value, _ in old.parameters()}
-    told = [
-        f"{each.name} {with_unit(known[each.name], each.unit)}"
-        for each in effect.parameters
-        if each.name in known
-    ]
+    named = [each for each in effect.parameters if each.name in known]
+    told = [f"{each.name} {with_unit(known[each.name], each.unit)}" for each in named]
     return f"In the model as stated: {listed(told)}." if told else "The model as stated has it too."
 
 
@@ -158,10 +154,11 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
         held_out = listed([f"{name!r}" for name in diagnosis.held_out])
         if diagnosis.hold_out_kind == "blocks":
             return f"Fitted on {fitted} without {held_out}, which were never used to fit or to choose."
+        article = "an" if diagnosis.hold_out_kind[:1] in "aeiou" else "a"
         why = "" if foretold_sentence(diagnosis) else diagnosis.hold_out_why  # said beside the verdict
         return (
             f"Fitted on {fitted}; {held_out} was never used to fit or to choose, and is "
-            f"{_article(diagnosis.hold_out_kind)} of the training{f': {why}' if why else ''}."
+            f"{article} {diagnosis.hold_out_kind} of the training{f': {why}' if why else ''}."
         )
     return f"Fitted on {fitted}; nothing was held back."
 
@@ -233,7 +230,9 @@ def _adequate(diagnosis: Diagnosis) -> list[str]:
 
 def _unexplained(diagnosis: Diagnosis) -> list[str]:
     part = listed([named(effect) for effect in diagnosis.effects])
+    early = ended_early(diagnosis.remarks)
     return [
+        "More time may find names for it, and change the ones below: not all was tried." if early else "",
         diagnosis.remainder or "What remains of the gap exceeds the noise, and no known effect explains it.",
         f"Part of the gap may be {part}." if part else "",
         gap_sentence(diagnosis),
@@ -260,7 +259,3 @@ def _with_units(gap: PooledGap, unit: str) -> tuple[str, str, str]:
         return f"{number(None if value is None else factor * value)} {shown}".rstrip()
 
     return said(gap.before_rms, first), said(gap.after_rms, rest), said(gap.noise_rms, rest)
-
-
-def _article(kind: str) -> str:
-    return f"{'an' if kind[:1] in 'aeiou' else 'a'} {kind}"

@@ -16,8 +16,6 @@ WIDTH = 6.4
 """Of every sheet [in]."""
 LEFT, RIGHT, TOP, BOTTOM, LEGEND = 0.66, 0.14, 0.28, 0.48, 0.26
 """Margins [in]: labels of the y axis, half a number, a title, labels of the x axis, a legend below them."""
-WIDE = 30.0
-"""Ratio of values beyond which an axis is logarithmic."""
 
 
 def sheet(
@@ -30,22 +28,11 @@ def sheet(
     legend: bool = True,
     **options: Any,
 ) -> tuple[Figure, Any]:
-    """Axes in rows and columns, without pyplot's global state.
+    """Return a figure and its axes in rows and columns, without pyplot's global state.
 
-    Parameters
-    ----------
-    rows, columns : int
-        Of the axes.
-    height : float
-        Of one row, or of all together with `height_ratios` [in].
-    left : float
-        Margin for labels [in].
-    between : (2,)
-        Space between columns and between rows [in].
-    legend : bool
-        Whether a legend stands below.
-    **options
-        As of `Figure.subplots`.
+    All sizes are in inches: the height is that of one row, or of all together with `height_ratios`; `left` is
+    the margin for labels, `between` the space between columns and between rows. Options are as of
+    `Figure.subplots`.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -99,7 +86,7 @@ def write_beside(ax: Axes, bars: Any, texts: Sequence[str]) -> None:
 def log_if_wide(ax: Axes, which: str, values: Sequence[float]) -> None:
     """Set a logarithmic axis, with plain numbers, where a linear one would hide the small values."""
     positive = [value for value in values if value > 0]
-    if not positive or max(positive) < WIDE * min(positive):
+    if not positive or max(positive) < 30 * min(positive):
         return
     ax.set(**{f"{which}scale": "log"})
     axis = ax.yaxis if which == "y" else ax.xaxis

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,13 +18,11 @@ if TYPE_CHECKING:
 
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.named_effects import NamedEffect
-    from flexarm.residual_analysis.joint_rotations import JointRotation
     from flexarm.residual_analysis.localisation import Localisation
     from flexarm.residual_analysis.motion_states import JointStates
     from flexarm.residual_analysis.residual_parts import SignalResidual
 
 KINDS = ("angle", "rate", "torque")
-MOST_JOINTS = 3
 
 
 def against_states(d: Diagnosis) -> Figure | None:
@@ -61,7 +59,7 @@ def shown_joints(d: Diagnosis) -> list[JointStates]:
     ]
     moving = [each.joint for each in rows.states]
     order = dict.fromkeys([*(joint for joint in ranked if joint in moving), *moving])
-    return [_of(rows.states, joint) for joint in list(order)[:MOST_JOINTS]]
+    return [of_joint(rows.states, joint) for joint in list(order)[:3]]
 
 
 def states_drawn(joints: Sequence[JointStates]) -> Sequence[str]:
@@ -72,7 +70,7 @@ def states_drawn(joints: Sequence[JointStates]) -> Sequence[str]:
 def main_direction(d: Diagnosis) -> str:
     """Return the direction in which the main signal's gap is greatest; it is what `against_states` draws."""
     assert d.located is not None
-    return _largest(d.located.gaps[d.main_signal])
+    return largest_direction(d.located.gaps[d.main_signal])
 
 
 def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str, kind: str) -> None:
@@ -83,11 +81,11 @@ def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str
     sigma = factor * float(np.sqrt(np.mean(rows.noise[direction] ** 2)))
     ax.axhspan(-2 * sigma, 2 * sigma, color=NOISE, lw=0, zorder=0, label="noise, 2σ")
     for name, side in sides.items():
-        where = side.time if kind == "time" else getattr(_of(side.states, joint), kind)
+        where = side.time if kind == "time" else getattr(of_joint(side.states, joint), kind)
         values = factor * side.directions[direction]
         ax.plot(where, values, ls="none", ms=2.4, mew=0, alpha=0.7, label=name, **LOOKS[name])
     ax.set_ylabel(f"{direction} [{unit}]" if direction != "total" else f"gap [{unit}]")
-    states = _of(rows.states, joint)
+    states = of_joint(rows.states, joint)
     ax.set_xlabel("time [s]" if kind == "time" else states.label(kind))
 
 
@@ -119,7 +117,7 @@ def rotations(d: Diagnosis) -> Figure | None:
     found = d.located.rotations if d.located is not None else None
     if found is None or len(found.joints) < 2:
         return None
-    shown = list(zip(found.joints, found.states, strict=True))[:MOST_JOINTS]
+    shown = list(zip(found.joints, found.states, strict=True))[:3]
     kinds = states_drawn([states for _, states in shown])
     alike = len({each.unit for each, _ in shown}) == 1  # or some slide and some turn
     shared = True if alike else "row"
@@ -127,34 +125,28 @@ def rotations(d: Diagnosis) -> Figure | None:
     for row, (rotation, states) in zip(axes, shown, strict=True):
         beside = [each for each, _ in shown if each.unit == rotation.unit]
         factor, unit = scale([float(np.abs(each.angle).max()) for each in beside], rotation.unit)
-        _draw_rotation(dict(zip(kinds, row, strict=True)), rotation, states, factor)
+        for kind, ax in zip(kinds, row, strict=True):
+            look = LOOKS["nominal model"]
+            ax.plot(getattr(states, kind), factor * rotation.angle, ls="none", ms=2.2, mew=0, **look)
+            ax.set_xlabel(states.label(kind))
         row[0].set_ylabel(f"{rotation.joint} [{unit}]")
     return figure
-
-
-def _draw_rotation(
-    axes: Mapping[str, Axes], rotation: JointRotation, states: JointStates, factor: float
-) -> None:
-    """One joint's rotation against its own states."""
-    for kind, ax in axes.items():
-        ax.plot(
-            getattr(states, kind), factor * rotation.angle, ls="none", ms=2.2, mew=0, **LOOKS["nominal model"]
-        )
-        ax.set_xlabel(states.label(kind))
 
 
 def turned_most(located: Localisation, rows: SignalResidual) -> JointStates:
     """States of the joint whose rotation holds most of the gap, else of the first that moves."""
     ranked = [each.joint for each in located.rotations.joints] if located.rotations is not None else []
     moving = [each.joint for each in rows.states]
-    return _of(rows.states, next((joint for joint in ranked if joint in moving), moving[0]))
+    return of_joint(rows.states, next((joint for joint in ranked if joint in moving), moving[0]))
 
 
-def _of(states: Sequence[JointStates], joint: str) -> JointStates:
+def of_joint(states: Sequence[JointStates], joint: str) -> JointStates:
+    """Return the states of a joint."""
     return next(each for each in states if each.joint == joint)
 
 
-def _largest(rows: SignalResidual) -> str:
+def largest_direction(rows: SignalResidual) -> str:
+    """Return the direction in which the gap of a signal is greatest."""
     return max(rows.directions, key=lambda name: float(np.sum(rows.directions[name] ** 2)))
 
 
@@ -166,5 +158,5 @@ def draw_of_effect(ax: Axes, d: Diagnosis, effect: NamedEffect) -> None:
     joints = [each.joint for each in rows.states]
     most = turned_most(d.located, rows).joint
     joint = next((at for at in effect.places if at in joints and len(effect.places) == 1), most)
-    draw_against(ax, d, signal, _largest(rows), joint, effect_class(effect.name).varies_with)
+    draw_against(ax, d, signal, largest_direction(rows), joint, effect_class(effect.name).varies_with)
     ax.set_title(f"{signal}: measured − model")

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import BaseModel, TypeAdapter
 
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
@@ -26,8 +27,8 @@ from flexarm.comparison.gap import SignalGap
 from flexarm.comparison.simulated_record import Placement
 from flexarm.configuration import version
 from flexarm.errors import InvalidFile
-from flexarm.fit_statistics import ChannelStatistics, Correlation, FitStatistics, Motion
-from flexarm.law_curve import LawCurve, LawGap
+from flexarm.fit_statistics import FitStatistics
+from flexarm.law_curve import LawCurve
 from flexarm.named_effects import (
     Alternative,
     Estimate,
@@ -126,8 +127,7 @@ def stored(path: str | Path) -> dict[str, Any]:
     InvalidFile
         If a file is missing, or is not what a diagnosis wrote.
     """
-    directory = Path(path).parent if Path(path).suffix == ".json" else Path(path)
-    told = _report(Path(path) if Path(path).suffix == ".json" else directory / REPORT)
+    directory, told = stored_object(path, KIND, REPORT, ReportFile)
     arm, comparisons = stored_gaps(directory / GAPS, KIND)
     details = told["details"]
     return {
@@ -150,16 +150,10 @@ def stored(path: str | Path) -> dict[str, Any]:
         "remainder": details["remainder"],
         "remarks": tuple(details["remarks"]),
         "next_experiment": told["next_experiment"],
-        "statistics": _statistics(details["statistics"]),
-        "laws": tuple(map(_law, told["laws"])),
+        "statistics": TypeAdapter(FitStatistics).validate_python(details["statistics"]),
+        "laws": tuple(_law(entry) for entry in told["laws"]),
         "provenance": {key: value for key, value in told["provenance"].items() if key != "rejected"},
     }
-
-
-def _law(entry: Entry) -> LawCurve:
-    rows = {key: tuple(entry[key]) for key in ("x", "value", "low90", "high90")}
-    gaps = {key: LawGap(**entry["gap"][key]) for key in ("train", "held_out")}
-    return LawCurve(**{**{key: each for key, each in entry.items() if key != "gap"}, **rows, **gaps})
 
 
 def stored_gaps(path: Path, kind: str) -> tuple[Arm, dict[str, dict[str, Comparison]]]:
@@ -175,26 +169,32 @@ def stored_gaps(path: Path, kind: str) -> tuple[Arm, dict[str, dict[str, Compari
         return model_of(dataset, path), _comparisons(dataset)
 
 
-def _report(path: Path) -> dict[str, Any]:
-    """Return the object of report.json, checked against its format."""
-    text = read_text(path)
+def stored_object(
+    path: str | Path, kind: str, name: str, form: type[BaseModel]
+) -> tuple[Path, dict[str, Any]]:
+    """Return a directory and the object of its JSON file, by which it may be given, checked by its format."""
+    given = Path(path)
+    file = given if given.suffix == ".json" else given / name
+    text = read_text(file)
     try:
-        return ReportFile.model_validate(json.loads(text)).model_dump()
+        return file.parent, form.model_validate(json.loads(text)).model_dump()
     except (ValueError, RecursionError) as error:  # no JSON, or another format
         what = str(error).splitlines()[0]
-        raise InvalidFile(path, "file", f"is no report of a diagnosis ({what})") from None
+        raise InvalidFile(file, "file", f"is no report of a {kind} ({what})") from None
 
 
-def _known(value: float | None) -> float:
-    """Return a number; NaN for one that nobody knows."""
+def _known(value: Any) -> Any:
+    """Return a value; NaN for a number that nobody knows."""
     return math.nan if value is None else value
 
 
 def _estimates(entry: Entry) -> tuple[Estimate, ...]:
-    return tuple(
-        Estimate(p["name"], p["value"], _known(p["std"]), _known(p["low90"]), _known(p["high90"]), p["unit"])
-        for p in entry["parameters"]
-    )
+    return tuple(Estimate(**{key: _known(v) for key, v in each.items()}) for each in entry["parameters"])
+
+
+def _law(entry: Entry) -> LawCurve:
+    flat = {**entry, **entry["gap"]}
+    return TypeAdapter(LawCurve).validate_python({key: flat[key] for key in flat if key != "gap"})
 
 
 def _place(entry: Entry) -> Place:
@@ -217,15 +217,6 @@ def _refined(arm: Arm, entry: Entry) -> Refined:
 def _rejected(entry: Entry) -> Rejected:
     factor = entry["log_bayes_factor"]
     return Rejected(entry["name"], _place(entry), -math.inf if factor is None else factor, entry["why"])
-
-
-def _statistics(entry: Entry) -> FitStatistics:
-    return FitStatistics(
-        tuple(ChannelStatistics(**each) for each in entry["channels"]),
-        tuple(Correlation(tuple(each["parameters"]), each["value"]) for each in entry["correlations"]),
-        tuple(Motion(**each) for each in entry["motions"]),
-        tuple(entry["unseen"]),
-    )
 
 
 def _stage(entry: Entry) -> Stage:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from flexarm.comparison.comparison import frame_words
@@ -19,11 +20,9 @@ from flexarm.report.sentences import (
 from flexarm.wording import interval, place_words, probability, signed, with_unit
 
 if TYPE_CHECKING:
+    from flexarm.comparison.before_after import BeforeAfter
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.named_effects import Estimate, NamedEffect
-
-
-WIDTH = 100
 
 
 def summary(diagnosis: Diagnosis) -> str:
@@ -31,8 +30,8 @@ def summary(diagnosis: Diagnosis) -> str:
     parts = [
         [
             f"{headline(diagnosis)}  [{diagnosis.verdict}]",
-            *_wrapped(verdict_sentence(diagnosis)),
-            *_wrapped(foretold_sentence(diagnosis)),
+            *wrapped(verdict_sentence(diagnosis)),
+            *wrapped(foretold_sentence(diagnosis)),
         ],
         _laws(diagnosis),
         _effects(diagnosis),
@@ -44,10 +43,11 @@ def summary(diagnosis: Diagnosis) -> str:
     return "\n\n".join("\n".join(part) for part in parts if part)
 
 
-def _wrapped(text: str, indent: str = "", then: str | None = None) -> list[str]:
+def wrapped(text: str, indent: str = "", then: str | None = None) -> list[str]:
+    """Return the lines of a text, indented as the first one or by `then` from the second on."""
     return textwrap.wrap(
         text,
-        WIDTH,
+        100,
         initial_indent=indent,
         subsequent_indent=indent if then is None else then,
         break_long_words=False,
@@ -61,23 +61,20 @@ def _laws(diagnosis: Diagnosis) -> list[str]:
     for row in law_rows(diagnosis):
         text = f"missing law, probability {row['probability']}: {row['says']}"
         shrinks = "" if row["held_out"] == "–" else f" Held out: {row['held_out']}."
-        lines += _wrapped(text + shrinks, then="  ")
+        lines += wrapped(text + shrinks, then="  ")
     return lines
 
 
 def _effects(diagnosis: Diagnosis) -> list[str]:
-    lines: list[str] = []
-    for effect in diagnosis.effects:
-        lines += _effect(diagnosis, effect)
-    return lines
+    return [line for effect in diagnosis.effects for line in _effect(diagnosis, effect)]
 
 
 def _effect(diagnosis: Diagnosis, effect: NamedEffect) -> list[str]:
     title = f"{place_words(effect.name, effect.at)}, probability {probability(effect.probability)}"
     lines = [title, *(_row(each) for each in effect.parameters)]
     if diagnosis.verdict != "unusable":
-        lines += _wrapped(stated_sentence(diagnosis, effect), "  ")
-    lines += _wrapped(effect.evidence, "  ")
+        lines += wrapped(stated_sentence(diagnosis, effect), "  ")
+    lines += wrapped(effect.evidence, "  ")
     for other in effect.alternatives:
         words = place_words(other.name, other.at)
         lines.append(f"  or {words}, probability {probability(other.probability)}")
@@ -99,9 +96,7 @@ def _refined(diagnosis: Diagnosis) -> list[str]:
             pull = "" if each.pull is None else f", {signed(each.pull, 1)} stated sigma"
             lines.append(f"  {each.refined.parameter}: {nominal} {moved} +- {std} {unit}{pull}")
     left = [each.refined.parameter for each in found if not (each.determined or each.changed)]
-    return lines + (
-        _wrapped(f"as they were, not determined: {', '.join(left)}", "  ", "    ") if left else []
-    )
+    return lines + (wrapped(f"as they were, not determined: {', '.join(left)}", "  ", "    ") if left else [])
 
 
 def _nuisances(diagnosis: Diagnosis) -> list[str]:
@@ -117,32 +112,34 @@ def _nuisances(diagnosis: Diagnosis) -> list[str]:
 
 
 def _gaps(diagnosis: Diagnosis) -> list[str]:
-    """Return a table by record for each signal, and what the records are to one another."""
-    tables = gap_tables(diagnosis)
-    columns = ("rms before", "rms after", "noise", "max before", "max after")
+    """Return a table by record for each signal, and how the held-out data relate to the training."""
+
+    def label(name: str) -> str:
+        return f"{name} (held out)" if name in diagnosis.held_out and "held" not in name else name
+
+    lines = gap_lines(diagnosis, label)
+    return [*lines, *wrapped(hold_out_sentence(diagnosis))] if lines else []
+
+
+def gap_lines(diagnosis: BeforeAfter, label: Callable[[str], str]) -> list[str]:
+    """Return the tables of the gap by signal as lines, each record under its label."""
     lines = []
-    for table in tables:
+    for table in gap_tables(diagnosis):
         head = f"gap of {table.signal} [{table.unit}]"
-        labels = [_labelled(diagnosis, name) for name, _ in table.rows]
+        labels = [f"  {label(name)}" for name, _ in table.rows]
         wide = max(26, *(len(text) + 2 for text in (head, *labels)))
-        lines.append(f"{head:<{wide}}" + "".join(f"{column:>12}" for column in columns))
-        for label, (_, cells) in zip(labels, table.rows, strict=True):
-            lines.append(f"{label:<{wide}}" + "".join(f"{cell:>12}" for cell in cells))
-    return [*lines, *_wrapped(hold_out_sentence(diagnosis))] if tables else []
-
-
-def _labelled(diagnosis: Diagnosis, name: str) -> str:
-    """Return a record, and that it was held out where its name does not say so."""
-    says = "held" in name
-    return f"  {name} (held out)" if name in diagnosis.held_out and not says else f"  {name}"
+        columns = ("rms before", "rms after", "noise", "max before", "max after")
+        rows = zip([head, *labels], [columns, *(cells for _, cells in table.rows)], strict=True)
+        lines += [f"{text:<{wide}}" + "".join(f"{cell:>12}" for cell in cells) for text, cells in rows]
+    return lines
 
 
 def _remarks(diagnosis: Diagnosis) -> list[str]:
     lines: list[str] = []
     if diagnosis.remainder and diagnosis.verdict != "unexplained":
-        lines += _wrapped(f"remains: {diagnosis.remainder}", "", "  ")
+        lines += wrapped(f"remains: {diagnosis.remainder}", "", "  ")
     for remark in remarks_beside(diagnosis):
-        lines += _wrapped(f"note: {remark}", "", "  ")
+        lines += wrapped(f"note: {remark}", "", "  ")
     if diagnosis.next_experiment:
-        lines += _wrapped(f"measure next: {diagnosis.next_experiment}", "", "  ")
+        lines += wrapped(f"measure next: {diagnosis.next_experiment}", "", "  ")
     return lines

@@ -21,18 +21,12 @@ POSES = 25
 
 @dataclass(frozen=True)
 class Plane:
-    """The swing of one arm in the x, z plane.
-
-    Attributes
-    ----------
-    length : float
-        From the joint to the tip [m].
-    vertical : float
-        Angle about which it swings [rad].
-    """
+    """The swing of one arm in the x, z plane."""
 
     length: float
+    """From the joint to the tip [m]."""
     vertical: float = 0.0
+    """Angle about which it swings [rad]."""
 
     def tangential(self, tip: Floats, angle: Floats) -> Floats:
         """Return the offset of tips x, z along (1) [m]."""
@@ -47,16 +41,11 @@ class Plane:
 
 @dataclass(frozen=True)
 class StaticOffset:
-    """Tangential offset of the tip in equilibrium, over the drive's angle.
-
-    Attributes
-    ----------
-    angle, offset : ndarray, shape (n,)
-        Drive angle [rad] and tangential offset [m].
-    """
+    """Tangential offset of the tip in equilibrium, over the drive's angle."""
 
     angle: Floats
     offset: Floats
+    """Drive angle [rad] and tangential offset [m], shape (n,)."""
 
     @classmethod
     def of(cls, arm: Arm, length: float, middle: float, largest: float) -> StaticOffset:

@@ -7,7 +7,7 @@ from typing import Any
 from markupsafe import Markup
 
 from flexarm.configuration import config
-from flexarm.report.template import filled
+from flexarm.report.files import filled
 from flexarm.reproduction.deformed_figure import ARM_SCALE, HINGE_SCALE
 from flexarm.reproduction.oscillation import start_time
 from flexarm.reproduction.study import Study

@@ -32,23 +32,9 @@ WINDOW = (2400, 1500)
 def rendered(
     parts: Sequence[Part], largest: float, colours: str, view: tuple[float, float]
 ) -> NDArray[Any] | None:
-    """Return an image of the parts, cut to what it shows.
+    """Return an image of the parts, (height, width, 4), cut to what it shows; None if nothing can render.
 
-    Parameters
-    ----------
-    parts : sequence of Part
-        What is drawn.
-    largest : float
-        Value of the last colour; the first is 0.
-    colours : str
-        Name of a matplotlib colour map.
-    view : (2,)
-        Elevation and azimuth of the eye, as in matplotlib [deg].
-
-    Returns
-    -------
-    ndarray, shape (height, width, 4), or None
-        Red, green, blue and opacity; None if nothing here can render.
+    The last colour of the map stands for `largest`, the first for 0; the view is elevation and azimuth [deg].
     """
     if find_spec("pyvista") is None:
         return None

@@ -34,25 +34,17 @@ LOAD_EDGE = 0.12
 
 @dataclass(frozen=True)
 class Surface:
-    """Faces of one part.
-
-    Attributes
-    ----------
-    name : str
-        Of the part.
-    rigid, moved : ndarray, shape (n, 3)
-        Points of the undeformed and of the deformed arm at the same drive angle, base axes [m].
-    faces : tuple of tuple of int
-        Points of each face.
-    opened_faces : tuple of tuple of int
-        The same with the half x < 0 of the part cut away.
-    """
+    """Faces of one part."""
 
     name: str
     rigid: Floats
     moved: Floats
+    """Points of the undeformed and of the deformed arm at the same drive angle, base axes [m], shape (n,
+    3)."""
     faces: tuple[tuple[int, ...], ...]
+    """Points of each face."""
     opened_faces: tuple[tuple[int, ...], ...] = ()
+    """The same with the half x < 0 of the part cut away."""
 
     @property
     def displacement(self) -> Floats:

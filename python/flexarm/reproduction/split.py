@@ -34,44 +34,33 @@ COARSE_STEP = 4e-3
 
 @dataclass(frozen=True)
 class Split:
-    """Shares, and how well the data determine them.
-
-    Attributes
-    ----------
-    hinge_share, tube_share : float
-        Of the greatest quasi-static tip error, with the other part rigid; both are shares of the error with
-        both parts elastic, and add up to 1 but for their interaction.
-    housing_part, reducer_part, hub_part, tube_part : float
-        Share of the greatest error that goes when that part alone is made rigid.
-    hinge_max_m, tube_max_m, both_max_m : float
-        These errors [m].
-    correlation : float
-        rho of (2).
-    hinge_share_std : float
-        Of the share of the hinge, from (2).
-    only_hinge_rms_m, only_tube_rms_m, both_rms_m : float
-        Rms gap to the measured tip of models with only the hinge or only the tube elastic, their compliance
-        fitted to the measured tip, and of the model with both, nothing fitted [m].
-    only_hinge_stiffness, only_tube_modulus : float
-        What was fitted [N m/rad], [Pa].
-    """
+    """Shares, and how well the data determine them."""
 
     hinge_share: float
     tube_share: float
+    """Of the greatest quasi-static tip error, with the other part rigid; both are shares of the error with
+    both parts elastic, and add up to 1 but for their interaction."""
     housing_part: float
     reducer_part: float
     hub_part: float
     tube_part: float
+    """Share of the greatest error that goes when that part alone is made rigid."""
     hinge_max_m: float
     tube_max_m: float
     both_max_m: float
+    """These errors [m]."""
     correlation: float
+    """rho of (2)."""
     hinge_share_std: float
+    """Of the share of the hinge, from (2)."""
     only_hinge_rms_m: float
     only_tube_rms_m: float
     both_rms_m: float
+    """Rms gap to the measured tip of models with only the hinge or only the tube elastic, their compliance
+    fitted to the measured tip, and of the model with both, nothing fitted [m]."""
     only_hinge_stiffness: float
     only_tube_modulus: float
+    """What was fitted [N m/rad], [Pa]."""
 
     def to_dict(self) -> dict[str, float]:
         """Return the entry of `summary.json`."""

@@ -34,42 +34,29 @@ LATE = 2e-2
 
 @dataclass(frozen=True)
 class Study:
-    """Everything that figures and claims are made of.
-
-    Attributes
-    ----------
-    experiment : Experiment
-        What the arm was asked to do.
-    models : Models
-        The finite-element model on its solid hinge, the bench, and their variants.
-    record : Record
-        The virtual measurement.
-    encoder : JointDrive
-        The encoder's angle, smoothed by its noise.
-    runs : dict of str to Simulation
-        Finite-element runs, see `RUNS`.
-    modal : dict of str to ndarray, shape (n, 2)
-        Tip x, z [m] of equations (1) and (2) at `modal_time`.
-    static : dict of str to StaticOffset
-        Quasi-static tip offset of the model ("both"), with only its tube or its hinge elastic ("tube",
-        "hinge"), and with one of its `CONTRIBUTORS` rigid ("without hub" and so on).
-    frequency_hz, damping_ratio : dict of str to float
-        First mode in the plane, upright, of the model ("fe") and with the printed area ("printed").
-    seconds : dict of str to float
-        What each run took, and each solid part from mesh to file.
-    """
+    """Everything that figures and claims are made of."""
 
     experiment: Experiment
+    """What the arm was asked to do."""
     models: Models
+    """The finite-element model on its solid hinge, the bench, and their variants."""
     record: Record
+    """The virtual measurement."""
     encoder: JointDrive
+    """The encoder's angle, smoothed by its noise."""
     runs: dict[str, Simulation]
+    """Finite-element runs, see `RUNS`."""
     modal_time: Floats
     modal: dict[str, Floats]
+    """Tip x, z [m] of equations (1) and (2) at `modal_time`, shape (n, 2)."""
     static: dict[str, StaticOffset]
+    """Quasi-static tip offset of the model ("both"), with only its tube or its hinge elastic ("tube",
+    "hinge"), and with one of its `CONTRIBUTORS` rigid ("without hub" and so on)."""
     frequency_hz: dict[str, float]
     damping_ratio: dict[str, float]
+    """First mode in the plane, upright, of the model ("fe") and with the printed area ("printed")."""
     seconds: dict[str, float] = field(default_factory=dict)
+    """What each run took, and each solid part from mesh to file."""
 
     @property
     def model(self) -> Arm:
@@ -122,18 +109,10 @@ class Study:
 def study(
     folder: Path, experiment: Experiment | None = None, seed: int = 2008, report: Report | None = None
 ) -> Study:
-    """Make the hinge, run the experiment and all models.
+    """Make the hinge, run the experiment (default: the paper's) and all models.
 
-    Parameters
-    ----------
-    folder : Path
-        Where the super-elements' files go; it must stay for as long as the study is used.
-    experiment : Experiment, optional
-        Default: the paper's.
-    seed : int
-        Of the virtual measurement's noise.
-    report : callable, optional
-        Gets the share done, 0 to 1, and what is being done.
+    The folder of the super-elements' files must stay for as long as the study is used; `report` gets the
+    share done, 0 to 1, and what is being done.
     """
     asked = experiment or Experiment()
     tell = report or (lambda done, what: None)

@@ -37,21 +37,14 @@ RUNS = {
 
 @dataclass(frozen=True)
 class Models:
-    """The hinge from solids and the arms that stand on it.
-
-    Attributes
-    ----------
-    hinge : SolidHinge
-        Of the finite-element model.
-    bench_hinge : SolidHinge
-        Of the virtual mock-up.
-    scratch : Path
-        Where files of variants go.
-    """
+    """The hinge from solids and the arms that stand on it."""
 
     hinge: SolidHinge
+    """Of the finite-element model."""
     bench_hinge: SolidHinge
+    """Of the virtual mock-up."""
     scratch: Path
+    """Where files of variants go."""
 
     @classmethod
     def build(cls, folder: Path, tell: Callable[[str], None]) -> Models:

@@ -15,21 +15,12 @@ from flexarm.record.step_limit import check_step_count
 
 @dataclass(frozen=True)
 class PreparedRun:
-    """Input of the core.
-
-    Attributes
-    ----------
-    arm : Arm
-        The model.
-    told, drive : Drive
-        The drive, and how motors follow it.
-    options : TransientOptions
-        Of the core.
-    """
+    """Input of the core."""
 
     arm: Arm
     told: Drive
     drive: Drive
+    """The drive, and how motors follow it."""
     options: _core.TransientOptions
 
     @property

@@ -21,26 +21,18 @@ _HEX_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 
 
 @dataclass(frozen=True)
 class CellType:
-    """One kind of cell.
-
-    Attributes
-    ----------
-    name : str
-        `tet4`, `tet10`, `hex8` or `hex20`.
-    meshio : str
-        Its name in meshio and meshlane.
-    n_corners, n_nodes : int
-        Number of corner nodes and of all nodes.
-    edges, faces : tuple of tuples of int
-        Corner nodes of each edge, and of each face anticlockwise as seen from outside.
-    """
+    """One kind of cell."""
 
     name: str
+    """`tet4`, `tet10`, `hex8` or `hex20`."""
     meshio: str
+    """Its name in meshio and meshlane."""
     n_corners: int
     n_nodes: int
+    """Number of corner nodes and of all nodes."""
     edges: tuple[tuple[int, int], ...]
     faces: tuple[tuple[int, ...], ...]
+    """Corner nodes of each edge, and of each face anticlockwise as seen from outside."""
 
     def face_nodes(self, face: int) -> tuple[int, ...]:
         """Return all nodes of a face: its corners, then the middle nodes of its edges."""

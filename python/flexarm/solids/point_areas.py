@@ -25,20 +25,10 @@ if TYPE_CHECKING:
 
 
 def point_areas(mesh: SolidMesh, points: ArrayLike) -> Floats:
-    """Return the area (1) of every point of a set.
+    """Return the area (1) of every point of a set [m2], shape (n,).
 
-    Parameters
-    ----------
-    mesh : SolidMesh
-        The part.
-    points : (n,)
-        Indices of its points.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        [m2]; all zero unless every point lies on an outer face of a cell whose points are all in the set: the
-        points of an edge stand for no area, whatever face they happen to close.
+    All are zero unless every point lies on an outer face of a cell whose points are all in the set: the
+    points of an edge stand for no area, whatever face they happen to close.
     """
     chosen = np.asarray(points)
     inside = np.zeros(mesh.n_points, dtype=bool)

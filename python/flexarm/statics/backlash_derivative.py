@@ -38,22 +38,9 @@ def require_backlash_derivative(
 ) -> None:
     """Refuse backlash at zero whose derivative does not exist.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    wanted : sequence of Parameter
-        Those by which `beside` varies it.
-    beside : sequence of Varied
-        Models with a parameter a little up and a little down.
-    system, equilibrium
-        The model, and how it rests.
-    moving : StateDerivative
-        Derivative of that state, one column for each of `beside`.
-    at_rest : callable
-        Equilibrium of another system under the same drives and loads.
-    stiff : bool
-        True if the stiffness of the joint must stay, too.
+    `beside` has models with a wanted parameter a little up and down, `moving` the derivative of the
+    equilibrium, one column for each. `at_rest` gives the equilibrium of another system under the same drives
+    and loads. If `stiff`, the stiffness of the joint must stay, too.
 
     Raises
     ------

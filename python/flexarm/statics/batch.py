@@ -28,25 +28,16 @@ SEEN = ("position", "rotation", "link_angle", "joint_torque", "section_forces", 
 
 @dataclass(frozen=True, eq=False)
 class StaticSolution:
-    """One equilibrium of a `StaticsBatch`.
-
-    Attributes
-    ----------
-    values : list of float
-        Angle of every joint's drive [rad, m].
-    equilibrium : Equilibrium
-        Of the core.
-    arrays : dict of str to ndarray
-        What is seen of it: `position`, `rotation`, `joint_torque`, `link_angle`, `section_forces` and
-        `base_wrench`, as in `Statics`.
-    sensitivities : Sensitivities or None
-        Derivatives of the arrays, and of `drive_angle`, where they were asked for.
-    """
+    """One equilibrium of a `StaticsBatch`."""
 
     values: list[float]
+    """Angle of every joint's drive [rad, m]."""
     equilibrium: _core.Equilibrium
     arrays: dict[str, Floats]
+    """What is seen of it: `position`, `rotation`, `joint_torque`, `link_angle`, `section_forces` and
+    `base_wrench`, as in `Statics`."""
     sensitivities: Sensitivities | None
+    """Derivatives of the arrays, and of `drive_angle`, where they were asked for."""
 
 
 @dataclass(frozen=True)

@@ -91,10 +91,7 @@ class Inputs:
     def kinds(self, held: bool = False) -> dict[str, _core.DriveKind]:
         """Return the kind of drive of each joint; a motor's angle acts at the input of its gears.
 
-        Parameters
-        ----------
-        held : bool
-            As long as joints that are told a torque or nothing are held.
+        As long as `held`, joints that are told a torque or nothing are held.
         """
         names = list(self._joints)
         found = {}

@@ -8,41 +8,27 @@ from flexarm.arrays import Floats
 
 
 class JointReading(NamedTuple):
-    """A joint at an instant.
-
-    Attributes
-    ----------
-    angle, rate : float
-        theta of the link about the joint [rad, m if prismatic], and its rate.
-    drive_angle, drive_rate : float
-        phi of the motor over the ratio, and its rate.
-    torque, motor_torque : float
-        On the child about +axis; of the motor with rotor inertia and friction; output side [N m].
-    """
+    """A joint at an instant."""
 
     angle: float
     rate: float
+    """theta of the link about the joint [rad, m if prismatic], and its rate."""
     drive_angle: float
     drive_rate: float
+    """phi of the motor over the ratio, and its rate."""
     torque: float
     motor_torque: float
+    """On the child about +axis; of the motor with rotor inertia and friction; output side [N m]."""
 
 
 class PointReading(NamedTuple):
-    """A point at an instant.
-
-    Attributes
-    ----------
-    position, velocity, acceleration : ndarray, shape (3,)
-        Base axes [m], [m/s], [m/s2].
-    rotation : ndarray, shape (3, 3)
-        Body axes as columns, base axes.
-    angular_rate : ndarray, shape (3,)
-        Body axes [rad/s].
-    """
+    """A point at an instant."""
 
     position: Floats
     velocity: Floats
     acceleration: Floats
+    """Base axes [m], [m/s], [m/s2], shape (3,)."""
     rotation: Floats
+    """Body axes as columns, base axes, shape (3, 3)."""
     angular_rate: Floats
+    """Body axes [rad/s], shape (3,)."""

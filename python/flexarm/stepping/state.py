@@ -23,22 +23,15 @@ FORMAT = "flexarm-state/1"
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """A moment of the core as plain numbers.
-
-    Attributes
-    ----------
-    state, factored : dict of str to ndarray
-        Arrays of the state, and of the one at which the kept matrix was factored (empty: none yet).
-    forces : dict of int to ndarray
-        Forces at points that were part of that matrix [N].
-    counts : tuple
-        Steps since the start, accepted steps, contraction of Newton's iteration, step of that matrix [s].
-    """
+    """A moment of the core as plain numbers."""
 
     state: dict[str, Floats]
     factored: dict[str, Floats]
+    """Arrays of the state, and of the one at which the kept matrix was factored (empty: none yet)."""
     forces: dict[int, Floats]
+    """Forces at points that were part of that matrix [N]."""
     counts: tuple[int, int, float, float]
+    """Steps since the start, accepted steps, contraction of Newton's iteration, step of that matrix [s]."""
 
     @classmethod
     def of(cls, moment: _core.Moment) -> Stored:

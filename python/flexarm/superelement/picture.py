@@ -31,16 +31,8 @@ def picture(
 ) -> Figure:
     """Draw part and interfaces in 3-D.
 
-    Parameters
-    ----------
-    mesh : SolidMesh
-        The part.
-    sets : mapping
-        Points of each interface; faces between them are coloured, other points drawn as dots.
-    frames : mapping
-        Rotation and position of each interface; x is drawn red, y green, z blue.
-    title : str
-        Above the picture.
+    Faces between the points of an interface are coloured, other points drawn as dots. Of its frame (rotation
+    and position) x is drawn red, y green, z blue.
     """
     from matplotlib.figure import Figure as Canvas
     from matplotlib.lines import Line2D

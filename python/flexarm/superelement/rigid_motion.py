@@ -45,21 +45,10 @@ def cross_matrix(p: ArrayLike) -> Floats:
 
 
 def rigid_motions(positions: ArrayLike, n_modes: int, about: ArrayLike = (0.0, 0.0, 0.0)) -> Floats:
-    """Return the columns (1) for every freedom.
+    """Return the columns (1) for every freedom, shape (6 n_interfaces + n_modes, 6).
 
-    Parameters
-    ----------
-    positions : array, shape (n_interfaces, 3)
-        Where the interfaces stand [m].
-    n_modes : int
-        Number of internal modes, which stay at rest.
-    about : (3,)
-        The point that the rotations leave in place [m].
-
-    Returns
-    -------
-    ndarray, shape (6 n_interfaces + n_modes, 6)
-        Translations along x, y, z [m] and rotations about them [rad].
+    They are translations along x, y, z [m] and rotations about them [rad], which leave the point `about` in
+    place. Interfaces stand at `positions` [m], (n_interfaces, 3), and internal modes stay at rest.
     """
     arms = np.asarray(positions, dtype=float).reshape(-1, 3) - np.asarray(about, dtype=float)
     motions = np.zeros((PER_INTERFACE * len(arms) + n_modes, 6))

@@ -22,21 +22,12 @@ MOST_LISTED = 1000
 def check_table(
     table: type[AnyTable], data: dict[str, Any], file: str | FilePath | None = None, text: str = ""
 ) -> AnyTable:
-    """Return `data` as a `table`.
-
-    Parameters
-    ----------
-    table : type
-        A subclass of `flexarm.tables.Table`.
-    data : dict
-        What the TOML file holds.
-    file, text : optional
-        The file and its text, for the message; without a file the error is an `InvalidParameter`.
+    """Return `data`, what a TOML file holds, as a `table`; file and its text are for messages.
 
     Raises
     ------
     InvalidFile, InvalidParameter
-        With all problems found.
+        With all problems found; InvalidParameter without a file.
     """
     try:
         return table.model_validate(data)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+import inspect
+from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, Field, ValidationError
 from pydantic.fields import FieldInfo
@@ -46,6 +47,35 @@ def component_names(field: FieldInfo, size: int) -> tuple[str, ...]:
     extra = field.json_schema_extra
     numbered = isinstance(extra, dict) and extra.get("numbered")
     return tuple(map(str, range(size))) if numbered else COMPONENTS[:size]
+
+
+def documented(table: type[BaseModel]) -> str:
+    """Return the docstring of a table with its fields as parameters, unless it states them itself."""
+    doc = inspect.cleandoc(table.__doc__ or "")
+    if "Parameters\n---" in doc or not table.model_fields:
+        return doc
+    lines = [doc, "", "Parameters", "----------"]
+    for name, field in table.model_fields.items():
+        said = "" if field.is_required() else f", default {field.default!r}"
+        lines.append(f"{name} : {_type_words(field.annotation)}{said}")
+        if says := field.description:
+            unit = f" [{unit_of(field)}]" if unit_of(field) else ""
+            lines.append(f"    {says[:1].upper()}{says[1:]}{unit}.")
+    return "\n".join(lines)
+
+
+def _type_words(annotation: Any) -> str:
+    """Return a type as docstrings say it: `float`, `(3,)`, `{"start", "end"}`."""
+    origin, inner = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        return _type_words(inner[0])
+    if origin is Literal:
+        return f"{{{', '.join(map(repr, inner))}}}"
+    if origin is tuple:
+        return f"tuple of {_type_words(inner[0])}" if inner[-1] is ... else f"({len(inner)},)"
+    if inner and origin is not dict:
+        return " or ".join(_type_words(each) for each in inner if each is not type(None))
+    return str(getattr(annotation, "__name__", annotation))
 
 
 def unit_of(field: FieldInfo) -> str:

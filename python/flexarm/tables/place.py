@@ -91,18 +91,12 @@ _KEY = re.compile(r"""^\s*(?:"([^"]*)"|'([^']*)'|([\w-]+))\s*[=.]""")
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where headers and keys of a TOML text stand.
-
-    Attributes
-    ----------
-    below : dict of str to list of int
-        Header -> the lines after it, in the order of the text.
-    keys : dict of int to dict of str to int
-        Line where a block begins -> key -> its first line there.
-    """
+    """Where headers and keys of a TOML text stand."""
 
     below: dict[str, list[int]]
+    """Header -> the lines after it, in the order of the text."""
     keys: dict[int, dict[str, int]]
+    """Line where a block begins -> key -> its first line there."""
 
 
 @lru_cache(maxsize=1)  # a file with many problems asks for a line of each

@@ -42,14 +42,7 @@ def range_of(unit: str) -> tuple[float, float]:
 def out_of_range(value: Any, unit: str, *, size: bool) -> str | None:
     """Return what is wrong with the magnitude of a number, or of the numbers in a list or table; else None.
 
-    Parameters
-    ----------
-    value : float, tuple or dict
-        What a field holds; anything that is no number passes.
-    unit : str
-        Its SI unit.
-    size : bool
-        True for a size, which divides and must not be nearly zero; False for a coordinate, which may be.
+    A `size` divides and must not be nearly zero, which a coordinate may be. What is no number passes.
     """
     least, most = range_of(unit)
     label = f" {unit}" if unit not in ("", "-", "unit", "SI") else ""
@@ -65,14 +58,7 @@ def out_of_range(value: Any, unit: str, *, size: bool) -> str | None:
 def first_beyond(values: Any, unit: str, factor: float = 1.0) -> tuple[int, ...] | None:
     """Return the index of the first entry of an array that is too large, or None; NaN passes.
 
-    Parameters
-    ----------
-    values : ndarray
-        Values, of which `factor` times are in `unit`.
-    unit : str
-        An SI unit.
-    factor : float
-        From the unit of the values to SI.
+    `factor` leads from the unit of the values to the SI unit.
     """
     beyond = (abs(values) > range_of(unit)[1] / abs(factor)).nonzero()
     return tuple(int(i[0]) for i in beyond) if len(beyond[0]) else None

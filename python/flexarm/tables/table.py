@@ -21,7 +21,7 @@ from pydantic import (
 
 from flexarm.errors import InvalidParameter
 from flexarm.tables.check import parameter_error
-from flexarm.tables.field import unit_of
+from flexarm.tables.field import documented, unit_of
 from flexarm.tables.ranges import NEVER_ZERO_ALONE, out_of_range
 
 Key = TypeVar("Key", bound=Hashable)
@@ -67,10 +67,6 @@ def _list_of(count: int) -> BeforeValidator:
 _FORBIDDEN_IN_NAME = re.compile(r"[\s.:=,\"'\[\]{}#/\\\x00-\x1f\x7f]")
 
 
-LONGEST_NAME = 100
-"""Characters of a name: names of URDF files, which join words, stay below 70."""
-
-
 def check_label(label: str) -> str:
     """Return `label` if it can name something: all its characters can be seen, and they are not too many.
 
@@ -80,8 +76,8 @@ def check_label(label: str) -> str:
     if not label or hidden or label != label.strip():
         why = "is empty" if not label else f"contains {hidden!r}" if hidden else "has blanks at its ends"
         raise ValueError(f"name {label[:40]!r} {why}; allowed are characters that can be seen")
-    if len(label) > LONGEST_NAME:
-        raise ValueError(f"name {label[:40]!r}... has {len(label)} characters; allowed are {LONGEST_NAME}")
+    if len(label) > 100:  # names of URDF files, which join words, stay below 70
+        raise ValueError(f"name {label[:40]!r}... has {len(label)} characters; allowed are 100")
     return label
 
 
@@ -118,6 +114,12 @@ class Table(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        super().__pydantic_init_subclass__(**kwargs)
+        if cls.__doc__:  # Python -OO has none
+            cls.__doc__ = documented(cls)
 
     @field_validator("*", mode="after")
     @classmethod

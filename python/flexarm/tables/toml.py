@@ -37,15 +37,7 @@ def read_text(file: Path) -> str:
 
 
 def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
-    """Return the tables of a TOML file and its text.
-
-    Parameters
-    ----------
-    file : Path
-        The file.
-    expected_format : str
-        What its key `format` must say, such as `flexarm-arm/1`.
-    """
+    """Return the tables of a TOML file and its text; its key `format` must say what is expected."""
     text = read_text(file)
     try:
         data = tomllib.loads(text)

@@ -15,25 +15,18 @@ APART = 2.5
 
 @dataclass(frozen=True)
 class Measured:
-    """One position signal.
-
-    Attributes
-    ----------
-    name, point : str
-        Of the signal, and the point that it sees.
-    time : ndarray, shape (n,)
-        Instants of the run [s].
-    away : ndarray, shape (n, 3)
-        Measured minus predicted along base axes; 0 along axes that were not measured, NaN at drop-outs [m].
-    note : str
-        What was not measured.
-    """
+    """One position signal."""
 
     name: str
     point: str
+    """Of the signal, and the point that it sees."""
     time: Floats
+    """Instants of the run [s], shape (n,)."""
     away: Floats
+    """Measured minus predicted along base axes; 0 along axes that were not measured, NaN at drop-outs [m],
+    shape (n, 3)."""
     note: str = ""
+    """What was not measured."""
 
     def gap(self, time: Floats) -> Floats:
         """Return it at other instants [m], shape (m, 3): joined by lines, NaN where rows are missing."""

@@ -21,14 +21,7 @@ from flexarm.viewer.skeleton import Poses
 def told(bodies: Bodies, rest: Poses, shapes: Floats) -> list[str]:
     """Return a phrase on each mode: what gives most of the motion, and in which direction the arm moves.
 
-    Parameters
-    ----------
-    bodies : Bodies
-        The arm with its bones.
-    rest : Poses
-        About which it vibrates.
-    shapes : ndarray, shape (mode, bone, 6)
-        Translations and rotations of the bones, base axes.
+    Shapes, (mode, bone, 6), are translations and rotations of the bones about `rest`, base axes.
     """
     return [_told(bodies, rest, shape) for shape in shapes]
 

@@ -28,16 +28,7 @@ WIDEST = 48
 
 
 def draw(of: Any, ax: Axes | None = None, **options: Any) -> Axes:
-    """Draw an arm, an equilibrium or modes with Matplotlib.
-
-    Parameters
-    ----------
-    of : Arm, Statics or Modes
-        What is drawn.
-    ax : matplotlib Axes, optional
-        Where to draw.
-    **options
-        As of its method `plot`.
+    """Draw an arm, an equilibrium or modes with Matplotlib, with the options of its method `plot`.
 
     Raises
     ------

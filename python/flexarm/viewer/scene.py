@@ -22,6 +22,8 @@ class Style:
     arrow: float = 0.14
     shown_deformation: float = 0.06
     shown_mode: float = 0.12
+    most_turned: float = 0.4
+    """Greatest rotation of a drawn mode [rad]: beyond, straight displacements tear turning parts off."""
     shown_gap: float = 0.1
     payload_density: float = 7850.0
     frames_per_second: float = 30.0
@@ -47,22 +49,15 @@ STYLE = Style()
 
 @dataclass(frozen=True)
 class Layer:
-    """What can be shown and hidden together.
-
-    Attributes
-    ----------
-    name, colour : str
-        As the legend has them.
-    text : str
-        What it is, with units and scale.
-    shown : bool
-        At first.
-    """
+    """What can be shown and hidden together."""
 
     name: str
     colour: str
+    """As the legend has them."""
     text: str
+    """What it is, with units and scale."""
     shown: bool = True
+    """At first."""
 
 
 @dataclass(frozen=True)
@@ -103,20 +98,12 @@ class Clip:
 
 @dataclass(frozen=True)
 class Scene:
-    """One page.
-
-    Attributes
-    ----------
-    title : str
-        Name of the arm or part, and what is shown of it.
-    notes : tuple of str
-        Sentences below it, such as the scale of deformations.
-    layers, skins, labels, clips : tuple
-        See there.
-    """
+    """One page."""
 
     title: str
+    """Name of the arm or part, and what is shown of it."""
     notes: tuple[str, ...] = ()
+    """Sentences below it, such as the scale of deformations."""
     layers: tuple[Layer, ...] = ()
     skins: tuple[Skin, ...] = ()
     labels: tuple[Label, ...] = ()

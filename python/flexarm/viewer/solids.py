@@ -25,37 +25,25 @@ ROUND = 24
 
 @dataclass(frozen=True)
 class Skin:
-    """A surface, or lines, on bones.
-
-    Attributes
-    ----------
-    layer, name : str
-        What it belongs to, and its own name.
-    bone : ndarray, shape (corner, k)
-        Bones that each corner hangs on; -1 is the base.
-    place : ndarray, shape (corner, k, 3)
-        Where, in the bones' frames [m].
-    faces : ndarray, shape (n, 3) or (n, 2)
-        Corners of triangles, or of lines.
-    colour : str
-        Such as "#1f77b4".
-    weight : ndarray, shape (corner, k), or None
-        Of the bones; None: one bone each.
-    opacity : float
-        0 to 1.
-    flat : bool
-        Faces are shaded flat, which keeps edges of meshes sharp.
-    """
+    """A surface, or lines, on bones."""
 
     layer: str
     name: str
+    """What it belongs to, and its own name."""
     bone: Ints
+    """Bones that each corner hangs on; -1 is the base, shape (corner, k)."""
     place: Floats
+    """Where, in the bones' frames [m], shape (corner, k, 3)."""
     faces: Ints
+    """Corners of triangles, or of lines, shape (n, 3) or (n, 2)."""
     colour: str
+    """Such as "#1f77b4"."""
     weight: Floats | None = None
+    """Of the bones; None: one bone each, shape (corner, k)."""
     opacity: float = 1.0
+    """0 to 1."""
     flat: bool = False
+    """Faces are shaded flat, which keeps edges of meshes sharp."""
 
     def shifted(self, bones: int, layer: str, colour: str, opacity: float) -> Skin:
         """Return a copy on other bones, for a second arm beside the first."""
@@ -239,19 +227,7 @@ def hung(
     name: str,
     colour: str,
 ) -> Skin:
-    """Return a part's mesh on its interfaces, eq. (1).
-
-    Parameters
-    ----------
-    surface : Surface
-        In the part's frame.
-    bones : list of int
-        Of the interfaces.
-    positions, rotations : ndarray, shapes (n, 3) and (n, 3, 3)
-        Of the interfaces in the part.
-    layer, name, colour : str
-        As of a skin.
-    """
+    """Return a mesh in the frame of its part on its interfaces, eq. (1), which stand there at these poses."""
     away = surface.corners[:, None] - positions
     place = np.einsum("kji,vkj->vki", rotations, away)
     squares = np.sum(away**2, axis=-1)

@@ -111,14 +111,7 @@ def part_surface(
 ) -> Surface | None:
     """Return the surface of a part.
 
-    Parameters
-    ----------
-    part : SuperElement
-        The part.
-    mesh : SolidMesh, str or Path, optional
-        Its mesh. Left out: the file that it was reduced from, where that still lies in `folder` unchanged.
-    folder : Path, optional
-        Where to look for it.
+    Without its mesh: of the file that it was reduced from, where that still lies in `folder` unchanged.
     """
     unit = str(part.provenance.get("mesh_unit", "m"))
     if mesh is None and folder is not None and part.provenance.get("mesh_file"):

@@ -90,14 +90,7 @@ class View:
 
 
 def view(of: Any, **options: Any) -> View:
-    """Return the page of a model, a part, a result or a diagnosis.
-
-    Parameters
-    ----------
-    of : Arm, Statics, Modes, Simulation, SuperElement or Diagnosis
-        What is shown.
-    **options
-        As of its method `view`.
+    """Return the page of a model, a part, a result or a diagnosis, with the options of its method `view`.
 
     Raises
     ------

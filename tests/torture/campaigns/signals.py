@@ -67,7 +67,7 @@ def killed(name: str, seconds: float) -> dict[str, object]:
 
 
 def interrupted(name: str, number: signal.Signals, seconds: float) -> dict[str, object]:
-    """SIGINT or SIGTERM: its exit code, no traceback, soon, and nothing left."""
+    """SIGINT or SIGTERM: its exit code, no traceback, soon, and nothing left but whole output, told."""
     before = entries()
     process = started(COMMANDS[name][1])
     used = after(process, seconds)
@@ -88,6 +88,9 @@ def interrupted(name: str, number: signal.Signals, seconds: float) -> dict[str, 
         "swallowed",
     )
     left = entries() - before
+    if left and "was written whole" in found.err:  # it came after the output, and before the end
+        whole(name)
+        left = set()
     must(not left, "left files", f"{', '.join(sorted(left))[:200]} after {number.name}")
     must(values["latency_cpu"] < SLOW, "hang", f"{values['latency_cpu']} s of CPU after {number.name}")
     return values

@@ -5,7 +5,7 @@ import pytest
 
 import flexarm
 from flexarm.named_effects import Refined
-from flexarm.report.updated_model import write_updated
+from flexarm.report.diagnosis import write_updated
 
 
 def head(diagnosis, path):

@@ -11,21 +11,14 @@ from flexarm.errors import Problem
 
 @dataclass
 class Block:
-    """Cells of one type, as they follow one another in the file.
-
-    Attributes
-    ----------
-    kind : str
-        meshio's name of the type (`tetra10`, `triangle`, ..).
-    nodes : (n, n_nodes)
-        Ints of points, in meshio's order.
-    numbers : (n,)
-        The cells' numbers in the file.
-    """
+    """Cells of one type, as they follow one another in the file."""
 
     kind: str
+    """meshio's name of the type (`tetra10`, `triangle`, ..)."""
     nodes: Ints
+    """Ints of points, in meshio's order, shape (n, n_nodes)."""
     numbers: Ints
+    """The cells' numbers in the file, shape (n,)."""
 
 
 @dataclass
@@ -43,33 +36,21 @@ class Elastic:
 
 @dataclass
 class Content:
-    """All of a file that concerns a part.
-
-    Attributes
-    ----------
-    points : (n, 3)
-        In the file's unit of length.
-    numbers : (n,)
-        The points' numbers in the file.
-    blocks : list of Block
-        Cells of every dimension.
-    groups : dict
-        Name -> {index of a block: indices of its cells}.
-    point_sets : dict
-        Name -> indices of points.
-    materials : dict
-        Name of a group -> its material.
-    notes : list of Problem
-        What was not read.
-    repeats : bool
-        The format writes a cell once for each of its groups.
-    """
+    """All of a file that concerns a part."""
 
     points: Floats
+    """In the file's unit of length, shape (n, 3)."""
     numbers: Ints
+    """The points' numbers in the file, shape (n,)."""
     blocks: list[Block]
+    """Cells of every dimension."""
     groups: dict[str, dict[int, Ints]] = field(default_factory=dict)
+    """Name -> {index of a block: indices of its cells}."""
     point_sets: dict[str, Ints] = field(default_factory=dict)
+    """Name -> indices of points."""
     materials: Mapping[str, Elastic] = field(default_factory=dict)
+    """Name of a group -> its material."""
     notes: list[Problem] = field(default_factory=list)
+    """What was not read."""
     repeats: bool = False
+    """The format writes a cell once for each of its groups."""

@@ -32,18 +32,9 @@ _REMEDY = {
 
 
 def part_in(content: Content, file: str, unit: str, materials: Mapping[str, Material]) -> SolidMesh:
-    """Return the solid mesh in a file's content.
+    """Return the solid mesh in a file's content, given the file's name, its unit of length and materials.
 
-    Parameters
-    ----------
-    content : Content
-        What was read.
-    file : str
-        The file, as messages name it.
-    unit : str
-        Its unit of length.
-    materials : mapping
-        Group -> material, SI; they take the place of those in the file.
+    Materials by group, in SI, take the place of those in the file.
     """
     _refuse_other_solids(content, file)
     _refuse_missing_points(content, file)

@@ -18,18 +18,10 @@ from flexarm.solids.reading.content import Block, Content
 def read_by(
     reader: Callable[[Path], Content], path: Path, what: str, remedies: Mapping[str, str] | None = None
 ) -> Content:
-    """Read a file with a reader that uses meshlane.
+    """Read a file that should be `what` with a reader that uses meshlane.
 
-    Parameters
-    ----------
-    reader : callable
-        It may call the readers of meshlane's formats; `meshlane.read` would leave the program where it fails.
-    path : path
-        The file.
-    what : str
-        What it should be.
-    remedies : mapping, optional
-        Part of a message of meshlane -> what the user can do.
+    It may call the readers of meshlane's formats; `meshlane.read` would leave the program where it fails. For
+    a part of a message of meshlane, `remedies` say what the user can do.
     """
     try:
         with redirect_stderr(StringIO()), catch_warnings():

@@ -15,27 +15,19 @@ from flexarm.material import Material
 
 @dataclass(frozen=True)
 class Block:
-    """A ring of material: inner <= r <= outer, bottom <= z <= top. `inner = 0` is a solid disc.
-
-    Attributes
-    ----------
-    name : str
-        Name of its group of cells, and of the sets `NAME.inner`, `NAME.outer`, `NAME.bottom`, `NAME.top` of
-        the points on its four faces (three for a solid disc).
-    inner, outer : float
-        Radii [m].
-    bottom, top : float
-        Heights [m].
-    material : Material, optional
-        Of its cells.
-    """
+    """A ring of material: inner <= r <= outer, bottom <= z <= top. `inner = 0` is a solid disc."""
 
     name: str
+    """Name of its group of cells, and of the sets `NAME.inner`, `NAME.outer`, `NAME.bottom`, `NAME.top` of
+    the points on its four faces (three for a solid disc)."""
     inner: float
     outer: float
+    """Radii [m]."""
     bottom: float
     top: float
+    """Heights [m]."""
     material: Material | None = None
+    """Of its cells."""
 
     def __post_init__(self) -> None:
         _check(f"block {self.name!r}", self.inner, self.outer, self.bottom, self.top)
@@ -53,22 +45,16 @@ class Patch:
 
     With `inner = outer` it is a band on a cylinder (a bearing seat), with `bottom = top` a ring on a face.
     The mesh gets lines along its sides, so that it begins and ends exactly there.
-
-    Attributes
-    ----------
-    name : str
-        Name of the set of points.
-    inner, outer : float
-        Radii [m].
-    bottom, top : float
-        Heights [m].
     """
 
     name: str
+    """Name of the set of points."""
     inner: float
     outer: float
+    """Radii [m]."""
     bottom: float
     top: float
+    """Heights [m]."""
 
     def __post_init__(self) -> None:
         _check(f"patch {self.name!r}", self.inner, self.outer, self.bottom, self.top)
@@ -80,29 +66,18 @@ class BoltCircle:
 
     Each pad is the sector of a ring that is as wide along r, and along the circle, as `diameter`. The set
     `NAME` holds the points of all pads, `NAME-1`, `NAME-2`, .. those of each.
-
-    Attributes
-    ----------
-    name : str
-        Name of the set.
-    radius : float
-        Of the circle through the bolts [m].
-    count : int
-        Number of bolts.
-    diameter : float
-        Of a pad [m].
-    height : float
-        z of the face that the pads are on [m].
-    phase : float
-        Angle of the first bolt from x [rad].
     """
 
     name: str
     radius: float
+    """Of the circle through the bolts [m]."""
     count: int
     diameter: float
+    """Of a pad [m]."""
     height: float
+    """z of the face that the pads are on [m]."""
     phase: float = 0.0
+    """Angle of the first bolt from x [rad]."""
 
     def __post_init__(self) -> None:
         where = f"bolt circle {self.name!r}"

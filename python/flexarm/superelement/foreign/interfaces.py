@@ -39,17 +39,10 @@ class Reduction:
 def reduction(
     freedoms: Sequence[Freedom], grids: Mapping[int, Grid], wanted: Mapping[str, Sequence[int]]
 ) -> Reduction:
-    """Return the interfaces of a foreign matrix.
+    """Return the interfaces of a foreign matrix with these freedoms, in its order.
 
-    Parameters
-    ----------
-    freedoms : sequence of Freedom
-        Freedoms of the matrix, in its order.
-    grids : mapping
-        Points by number, positions in m.
-    wanted : mapping
-        Names of interfaces and the numbers of their points; points that are left out and have six freedoms
-        become interfaces `grid_NUMBER`.
+    `grids` are points by number, positions in m, and `wanted` the points of each interface; points that are
+    left out and have six freedoms become interfaces `grid_NUMBER`.
 
     Raises
     ------

@@ -35,18 +35,12 @@ class Labelled:
 
 @dataclass(frozen=True, eq=False)
 class MatrixFile:
-    """The matrices of a file by role or name, and the names of those left unread.
-
-    Attributes
-    ----------
-    matrices : dict
-        Keys are the file's names, or "stiffness", "mass", "damping" where the format says which is which.
-    ignored : tuple of str
-        Names of matrices that flexarm has no use for.
-    """
+    """The matrices of a file by role or name, and the names of those left unread."""
 
     matrices: dict[str, Labelled]
+    """Keys are the file's names, or "stiffness", "mass", "damping" where the format says which is which."""
     ignored: tuple[str, ...] = field(default=())
+    """Names of matrices that flexarm has no use for."""
 
 
 def ordered(matrix: Labelled, freedoms: Sequence[Freedom], what: str) -> Floats:
