@@ -35,29 +35,28 @@ class TextStamps:
 
 def text_stamps(columns: Sequence[str | int], texts: Sequence[Sequence[str]]) -> TextStamps | None:
     """Return the first columns in a row whose texts are stamps together; None if none are."""
-    runs = [(k, n) for n in range(LONGEST, 0, -1) for k in range(len(columns) - n + 1)]  # with its date first
-    found = [
-        (tuple(columns[k : k + n]), [" ".join(row) for row in zip(*texts[k : k + n], strict=True)])
-        for k, n in runs
-    ]
-    for named, rows in found:
-        forms = [form for form in FORMS if _reads(rows, form)]
-        if forms:
-            seconds = np.array([_seconds(row, forms[0]) for row in rows])
-            dates = {form.split(" ")[0] for form in forms if "%Y" in form}
-            what = f"which of {' and '.join(sorted(dates))} the date is" if len(dates) > 1 else ""
-            return TextStamps(named, forms[0], seconds, what)
+    count = len(texts[0]) if texts else 0
+    sample = np.linspace(0, count - 1, min(count, TRIED)).astype(int).tolist()
+    for n in range(LONGEST, 0, -1):  # a time of day with its date rather than without
+        for k in range(len(columns) - n + 1):
+            run = texts[k : k + n]
+            likely = _read([" ".join(text[row] for text in run) for row in sample], FORMS)
+            rows = [" ".join(row) for row in zip(*run, strict=True)] if likely else []
+            if found := _read(rows, list(likely)):
+                dates = sorted({form.split(" ")[0] for form in found if "%Y" in form})
+                what = f"which of {' and '.join(dates)} the date is" if len(dates) > 1 else ""
+                form, seconds = next(iter(found.items()))
+                return TextStamps(tuple(columns[k : k + n]), form, np.array(seconds), what)
     return None
 
 
-def _reads(rows: Sequence[str], form: str) -> bool:
-    """Return True if all rows have a form; a sample of them is looked at first."""
-    sample = [rows[k] for k in np.linspace(0, len(rows) - 1, TRIED).astype(int)] if len(rows) else [""]
-    with suppress(ValueError):
-        for row in (*sample, *rows):
-            _seconds(row, form)
-        return True
-    return False
+def _read(rows: Sequence[str], forms: Sequence[str]) -> dict[str, list[float]]:
+    """Return seconds by form, of the forms that all rows have; none if there is no row."""
+    found = {}
+    for form in forms if rows else ():
+        with suppress(ValueError):
+            found[form] = [_seconds(row, form) for row in rows]
+    return found
 
 
 def _seconds(text: str, form: str) -> float:
