@@ -319,7 +319,8 @@ def test_targets_of_a_tracker_and_its_dates_are_told_apart(logs):
             stamp = (start + timedelta(seconds=float(t))).strftime("%m/%d/%Y %H:%M:%S.%f")[:-3]
             rows.append(f"A {group} p{k} {x:.4f} {y:.4f} {z:.4f} {stamp}")
     (logs / "sa.txt").write_text("\n".join(rows) + "\n")
-    data, _ = guessed(logs, "robot.csv", "sa.txt")
+    data, text = guessed(logs, "robot.csv", "sa.txt")
+    assert "time = [7, 8]  # its texts read as dates and times; the source says its unit; 50 Hz" in text
     (tip,) = [each for each in data["signals"] if each["name"] == "tip"]
     assert (tip["time"], tip["time_format"]) == ([7, 8], "%m/%d/%Y %H:%M:%S.%f")
     assert (tip["where"], tip["columns"]) == ({"2": "Tool"}, [4, 5, 6])
@@ -355,6 +356,7 @@ def test_columns_that_never_change_are_no_signals_and_numbers_name_joints(logs):
         (["09/13/2026 11:59:59.5 PM", "09/14/2026 12:00:00.5 AM"], "%m/%d/%Y %I:%M:%S.%f %p", 1.0),
         (["14.09.2026 14:00:07", "14.09.2026 14:00:08"], "%d.%m.%Y %H:%M:%S", 1.0),
         (["23:59:58.25", "23:59:59.00"], "%H:%M:%S.%f", 0.75),
+        (["14.09.2026 23:59:58,25", "14.09.2026 23:59:59,00"], "%d.%m.%Y %H:%M:%S,%f", 0.75),
     ],
 )
 def test_forms_of_dates_are_seen(columns, form, seconds):

@@ -219,7 +219,7 @@ def _stamps(
 ) -> Stamped:
     if texts is not None and (np.diff(texts.seconds[rows]) > 0).all():
         columns = texts.columns if len(texts.columns) > 1 else texts.columns[0]
-        found = _seconds(columns, texts.seconds[rows], None, "s", "they read as dates and times")
+        found = _seconds(columns, texts.seconds[rows], "s", "", "its texts read as dates and times")
         return replace(found, unit=None, form=texts.form, unknown=texts.unknown)
     rising = [c for c, v in arrays.items() if len(v) > 1 and np.isfinite(v).all() and (np.diff(v) > 0).all()]
     by_name = [column for column in rising if isinstance(column, str) and is_stamp(column)]
