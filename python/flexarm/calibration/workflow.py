@@ -45,8 +45,6 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, str], object] | None
 
-SHARE = 0.8
-"""Share of the work that is left after each step, in the progress: how many follow is not known."""
 NORMAL90 = 1.6448536269514722
 """Half of a 90 % interval over 1 sigma."""
 
@@ -101,6 +99,8 @@ def calibrate(
     >>> found = flexarm.calibrate(arm, [poses], families=["joint_compliance"])  # doctest: +SKIP
     >>> found.save("calibrated")  # doctest: +SKIP
     """
+    # Share of the work that is left after each step, in the progress: how many follow is not known.
+    share = 0.8
     begun, rules = time.monotonic(), policy or CalibrationPolicy()
     tell = progress or (lambda done, what: None)
     family_kinds(families)
@@ -118,7 +118,7 @@ def calibrate(
     estimation = _estimation(problem, families, rules)
     steps = count(1)
     posterior = shared_first(
-        estimation, estimation.centre, lambda what: tell(0.9 * (1 - SHARE ** next(steps)), what)
+        estimation, estimation.centre, lambda what: tell(0.9 * (1 - share ** next(steps)), what)
     )[-1]
     tell(0.9, "verifying")
     updated = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)

@@ -1,7 +1,7 @@
 """Spread the tasks of a campaign over workers, and hand back their rows as they come.
 
 Dask distributes: a cluster of this machine's cores is started without any set-up, or an existing scheduler is
-used. Each worker gets the job once, as a plugin, also one that joins later. At most `AHEAD` tasks a thread
+used. Each worker gets the job once, as a plugin, also one that joins later. At most `ahead` tasks a thread
 are under way, so the memory of client and scheduler does not grow with the campaign. A worker that dies costs
 its tasks, which others take over. The runs of a task under which several died are tried once more, each
 alone, and the one under which they die again becomes a failed row.
@@ -21,8 +21,6 @@ from flexarm.errors import InvalidParameter
 
 Client = Any
 """A client of `distributed`, which is imported when it is needed and never with flexarm."""
-AHEAD = 2
-"""Tasks under way for each thread of a worker: one that it computes, one that waits there."""
 
 Put = Callable[[Sequence[Row]], object]
 
@@ -118,8 +116,9 @@ def page_of(client: Client) -> str:
 
 def _ahead(client: Client) -> int:
     """Return the number of tasks to be under way; workers may join and leave."""
+    ahead = 2  # tasks under way for each thread of a worker: one that it computes, one that waits there
     threads = int(sum(client.nthreads().values()))
-    return max(AHEAD, AHEAD * threads)
+    return max(ahead, ahead * threads)
 
 
 _jobs: dict[str, Job] = {}

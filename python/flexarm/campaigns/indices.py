@@ -28,9 +28,6 @@ from flexarm.arrays import Floats
 
 LEAST = 40
 """Samples below which (1) says nothing."""
-FEW = 32
-"""Different values of a parameter that are each a constant."""
-MOST_KNOTS = 12
 RESAMPLES, MOST_RESAMPLED = 200, 4096
 """Of the bootstrap of intervals, which shrink as 1/sqrt(n), and samples in each at most."""
 
@@ -121,11 +118,13 @@ def from_saltelli(f: Floats, seed: int = 0) -> Indices | None:
 
 def _basis(x: Floats) -> Floats:
     """Return orthonormal functions of a parameter without their means, shape (n, p)."""
+    most_knots = 12
+    few = 32  # different values of a parameter that are each a constant
     values, which = np.unique(x, return_inverse=True)
-    if len(values) < min(FEW, len(x) // 2):
+    if len(values) < min(few, len(x) // 2):
         columns = np.eye(len(values))[which][:, 1:]
     else:
-        count = int(np.clip(np.sqrt(len(x)) / 3, 2, MOST_KNOTS))
+        count = int(np.clip(np.sqrt(len(x)) / 3, 2, most_knots))
         knots = np.quantile(x, np.arange(1, count) / count)
         columns = np.column_stack([x, *(np.maximum(x - knot, 0.0) for knot in knots)])
     columns = columns - columns.mean(axis=0)

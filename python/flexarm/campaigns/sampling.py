@@ -21,21 +21,20 @@ from flexarm.arrays import Floats
 from flexarm.campaigns.distributions import Distribution
 from flexarm.campaigns.study import Sampling
 
-CLOSEST = 2.0**-33
-"""Distance of a point from 0 and 1, half the resolution of Sobol points: a normal value stays finite."""
-
 
 def samples(
     sampling: Sampling | None, distributions: Sequence[Distribution], levels: Sequence[int | None]
 ) -> Floats:
     """Return the values of all parameters, shape (runs, d); one row without sampling."""
+    # Distance of a point from 0 and 1, half the resolution of Sobol points: a normal value stays finite.
+    closest = 2.0**-33
     d = len(distributions)
     if sampling is None or not d:
         return np.zeros((1, 0))
     if sampling.method == "grid":
         axes = [each.levels(count) for each, count in zip(distributions, levels, strict=True)]
         return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
-    u = np.clip(_points(sampling, 2 * d if sampling.saltelli else d), CLOSEST, 1 - CLOSEST)
+    u = np.clip(_points(sampling, 2 * d if sampling.saltelli else d), closest, 1 - closest)
     x = np.stack(
         [each.quantile(u[:, k]) for k, each in enumerate((*distributions, *distributions)[: u.shape[1]])], 1
     )

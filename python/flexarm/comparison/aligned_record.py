@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from flexarm.record import Record
 
 MODES = 3
-VISIBLE = 0.01
-"""Part of a mode's motion of the points that a measured axis must show; a frame may be turned by as much."""
 NEEDS_ROTATIONS = ("orientation", "inclination", "angular_rate", "acceleration")
 
 
@@ -170,6 +168,9 @@ def _modes(pair: AlignedRecord) -> list[tuple[float, float]]:
 
 def _visible(pair: AlignedRecord, found: Modes) -> list[bool]:
     """Return True for modes that move a point along a measured axis; for all without such axes."""
+    # Part of a mode's motion of the points that a measured axis must show; a frame may be turned by as
+    # much.
+    visible = 0.01
     simulated, largest = pair.simulated, np.zeros(len(found.frequency_hz))
     for signal in simulated.evidence.values():
         if signal.quantity == "position":
@@ -180,4 +181,4 @@ def _visible(pair: AlignedRecord, found: Modes) -> list[bool]:
             return [True] * len(largest)
     if not np.any(largest):
         return [True] * len(largest)
-    return [bool(seen) for seen in largest > VISIBLE * np.abs(found.shape[:, :, :3]).max(axis=(1, 2))]
+    return [bool(seen) for seen in largest > visible * np.abs(found.shape[:, :, :3]).max(axis=(1, 2))]

@@ -33,9 +33,6 @@ from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import SensorEffects, effects_of
 from flexarm.measurement.encoder import quantised
 
-_STEP = 1e-5
-"""Of differences by a true value, in parts of the larger of it and one unit: errors of 1e-11 either way."""
-
 
 class Sensing:
     """The readings of one controller.
@@ -130,10 +127,13 @@ class DifferentiatedSensing(Sensing):
                 self._moved.append((k, spread, up._geometry, down._geometry))
 
     def _shown(self, sensor: Sensor | None, true: Real) -> Real:
+        # Of differences by a true value, in parts of the larger of it and one unit: errors of 1e-11 either
+        # way.
+        step = 1e-5
         if not isinstance(true, Dual) or sensor is None or not self._errs(sensor):
             return true
         u, seen = true.value, self._effects[sensor.name]
-        h = _STEP * max(1.0, abs(u))
+        h = step * max(1.0, abs(u))
         high, low = seen.reading(np.array([[u + h], [u - h]]), rounded=False)[:, 0]
         slopes: Floats = (high - low) / (2 * h) * true.slopes
         at = np.array([[u]])

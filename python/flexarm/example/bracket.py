@@ -8,8 +8,6 @@ from flexarm.arrays import Ints
 from flexarm.solids import Block, Patch, SolidMesh, revolved
 
 MILLIMETRE = 1e-3
-A_LINE = 16
-"""Numbers a line of the file."""
 MATERIAL = """*MATERIAL, NAME=STEEL
 *ELASTIC
 210000., 0.3
@@ -50,11 +48,12 @@ def _cells(mesh: SolidMesh) -> list[str]:
 
 
 def _sets(mesh: SolidMesh) -> list[str]:
+    a_line = 16  # numbers a line of the file
     rows = []
     for name in ("BORE", "FLANGE"):
         nodes = mesh.point_sets[name] + 1
         rows.append(f"*NSET, NSET={name}")
-        rows += [_listed(nodes[k : k + A_LINE]) for k in range(0, len(nodes), A_LINE)]
+        rows += [_listed(nodes[k : k + a_line]) for k in range(0, len(nodes), a_line)]
     return rows
 
 

@@ -25,10 +25,6 @@ if TYPE_CHECKING:
 
 GAP = 3e-4
 """The backlash that the machine has and the model lacks [rad]."""
-MODULUS = 1.006
-"""Young's modulus of the machine over the nominal one."""
-STEP = 5e-4
-"""Of the machine's simulation [s]."""
 LIGHT = 5.0
 """Payload mass in the record `fast` [kg]."""
 STOPS = {
@@ -69,9 +65,10 @@ def machine(arm: Arm) -> Arm:
     from flexarm.arm.link import Beam
     from flexarm.effects import Backlash
 
+    modulus = 1.006  # Young's modulus of the machine over the nominal one
     rod = arm.link("rod")
     assert isinstance(rod, Beam)
-    steel = rod.material.replace(youngs_modulus=MODULUS * rod.material.youngs_modulus)
+    steel = rod.material.replace(youngs_modulus=modulus * rod.material.youngs_modulus)
     real = arm.replace(
         name="virtual machine", links=(rod.replace(elements=8, material=steel),), uncertainty={}
     )
@@ -92,10 +89,11 @@ def virtual_record(
     from flexarm.record import Clock, Frame, Record
     from flexarm.simulation import simulate
 
+    step = 5e-4  # of the machine's simulation [s]
     payloads = _carried(mass)
     loaded = Record(signals={}, payloads=payloads).applied_to(machine)
     time, angle = joined(stops, seconds)
-    run = simulate(loaded, Drive.from_samples(time, {"hinge": angle}), step=STEP)
+    run = simulate(loaded, Drive.from_samples(time, {"hinge": angle}), step=step)
     seen = measure(
         run,
         machine.sensors,

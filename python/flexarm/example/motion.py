@@ -8,9 +8,6 @@ import numpy as np
 
 from flexarm.arrays import Floats
 
-INTERVAL = 4e-3
-"""Between samples [s]."""
-
 
 def joined(stops: Sequence[float], seconds: float) -> tuple[Floats, Floats]:
     """Return minimum-jerk moves from stop to stop [Flash1985].
@@ -33,8 +30,9 @@ def joined(stops: Sequence[float], seconds: float) -> tuple[Floats, Floats]:
     >>> float(angle[0]), round(float(angle[250]), 6), float(angle[-1])
     (0.0, 0.5, 1.0)
     """
+    interval = 4e-3  # between samples [s]
     moves = len(stops) - 1
-    time = np.linspace(0.0, seconds * moves, round(seconds * moves / INTERVAL) + 1)
+    time = np.linspace(0.0, seconds * moves, round(seconds * moves / interval) + 1)
     move = np.minimum((time / seconds).astype(int), moves - 1)
     s = np.clip(time / seconds - move, 0.0, 1.0)
     angle: Floats = np.take(stops, move) + np.diff(stops)[move] * s**3 * (10 - 15 * s + 6 * s**2)

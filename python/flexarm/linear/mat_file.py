@@ -25,9 +25,7 @@ Value = NDArray[Any] | str | list[str]
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 _TEXTS = {1: "utf-8", 2: "utf-8", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
 _MATRIX, _COMPRESSED = 14, 15
-_CELL, _CHAR, _NUMERIC = 1, 4, range(6, 16)
 _COMPLEX = 0x0800
-_HEADER = 128
 
 
 def read_mat(path: str | Path) -> dict[str, Value]:
@@ -38,13 +36,14 @@ def read_mat(path: str | Path) -> dict[str, Value]:
     InvalidFile
         If the file is missing, none of level 5, or damaged.
     """
+    header = 128
     with reading(regular_file(path), "a MAT file"):
         raw = Path(path).read_bytes()
-        order = {b"IM": "<", b"MI": ">"}.get(raw[126:_HEADER])
+        order = {b"IM": "<", b"MI": ">"}.get(raw[126:header])
         if order is None or raw[124:126] != struct.pack(f"{order}H", 0x0100):
             raise ValueError("has no header of level 5, which save(..., '-v7') or '-v6' writes")
         found: dict[str, Value] = {}
-        for content in _matrices(raw[_HEADER:], order):
+        for content in _matrices(raw[header:], order):
             name, value = _variable(content, order)
             if value is not None:
                 found[name] = value
@@ -91,18 +90,19 @@ def _variable(content: bytes, order: str) -> tuple[str, Value | None]:
 
 
 def _value(kind: int, shape: tuple[int, ...], values: list[tuple[int, bytes]], order: str) -> Value | None:
-    if kind == _CELL:
+    cell, char, numeric = 1, 4, range(6, 16)
+    if kind == cell:
         inner = [_variable(content, order)[1] for _, content in values]
         if len(inner) != math.prod(shape):
             raise ValueError(f"a cell array of shape {shape} holds {len(inner)} cells")
         texts = [text for text in inner if isinstance(text, str)]
         return texts if len(texts) == len(inner) else None
-    if kind == _CHAR:
+    if kind == char:
         raw = b"".join(content for _, content in values)
         codec = _TEXTS[values[0][0]] if values else "utf-8"
         wide = {"<": "-le", ">": "-be"}[order] if codec != "utf-8" else ""
         return raw.decode(codec + wide)
-    if kind not in _NUMERIC:
+    if kind not in numeric:
         return None
     [(stored, raw)] = values
     return np.frombuffer(raw, order + _NUMBERS[stored]).reshape(shape, order="F").astype(float)

@@ -22,9 +22,6 @@ import numpy as np
 
 from flexarm.arrays import Floats
 
-ROUNDING = 1e-9
-"""Beside its summands, a factor of (3) below this is zero."""
-
 
 @dataclass(frozen=True, eq=False)
 class Response:
@@ -47,10 +44,11 @@ class Response:
 
     def improper(self) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
         """Return True where (3) has derivatives of input k in output i: shape (outputs, inputs)."""
+        rounding = 1e-9  # beside its summands, a factor of (3) below this is zero
         first = self.D[1] + self.C @ self.B[2]
         size = self.size[1] + np.abs(self.C) @ np.abs(self.B[2])
-        second = np.abs(self.D[2]) > ROUNDING * self.size[2]
-        return np.asarray((np.abs(first) > ROUNDING * size) | second)
+        second = np.abs(self.D[2]) > rounding * self.size[2]
+        return np.asarray((np.abs(first) > rounding * size) | second)
 
     def by_acceleration(self, chosen: list[int]) -> Response:
         """Return (4): second derivatives of these inputs as inputs, values and rates as the last states."""

@@ -19,16 +19,13 @@ from flexarm.statics import static
 if TYPE_CHECKING:
     from flexarm.mockup.hinge import SolidHinge
 
-TORQUE = 100.0
-"""T of (1) [N m]; small enough for a linear answer."""
-HALF_ARM = 0.1
-"""The two forces act at this distance to both sides of the seat [m]."""
-
 
 def torsional_stiffness(hinge: SolidHinge) -> float:
     """Return k of (1) [N m/rad]."""
+    half_arm = 0.1  # the two forces act at this distance to both sides of the seat [m]
+    torque = 100.0  # T of (1) [N m]; small enough for a linear answer
     tables = hinge_tables(hinge)
-    seats = {"ahead": HALF_ARM, "behind": -HALF_ARM}
+    seats = {"ahead": half_arm, "behind": -half_arm}
     arm = Arm.from_dict(
         {
             "format": "flexarm-arm/1",
@@ -40,8 +37,8 @@ def torsional_stiffness(hinge: SolidHinge) -> float:
             ],
         }
     )
-    force = TORQUE / (2 * HALF_ARM)
+    force = torque / (2 * half_arm)
     # About +y a torque turns z towards x: down ahead (x > 0), up behind.
     found = static(arm, forces={"ahead": [0, 0, -force], "behind": [0, 0, force]})
     axes = found.rotation[0]
-    return TORQUE / atan2(axes[0, 2], axes[2, 2])  # eq. (1)
+    return torque / atan2(axes[0, 2], axes[2, 2])  # eq. (1)

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 _core: Any = _typed_core
 
-DEFAULT_MODES = 20
-MOST_MODES = 1000  # time grows with their square, and an arm needs a few dozen
 
 Progress = Callable[[str, float], None]
 """Hears the phase that runs and the part of it that is done, 0 to 1."""
@@ -170,12 +168,14 @@ def _interface_set(value: InterfaceSet | str) -> InterfaceSet:
 
 def _wanted(modes: int | None, max_frequency: float | None) -> tuple[int, float]:
     """Return the number of modes and the frequency limit, one of them zero."""
+    most_modes = 1000
+    default_modes = 20
     if modes is not None and max_frequency is not None:
         raise InvalidParameter("give modes or max_frequency, not both", where="modes")
-    if modes is not None and not (isinstance(modes, int | np.integer) and 0 <= modes <= MOST_MODES):
-        raise InvalidParameter(f"must be a whole number, 0 to {MOST_MODES}, got {modes}", where="modes")
+    if modes is not None and not (isinstance(modes, int | np.integer) and 0 <= modes <= most_modes):
+        raise InvalidParameter(f"must be a whole number, 0 to {most_modes}, got {modes}", where="modes")
     if max_frequency is None:
-        return (DEFAULT_MODES if modes is None else modes), 0.0
+        return (default_modes if modes is None else modes), 0.0
     if not 0 < max_frequency < math.inf:
         raise InvalidParameter(f"must be positive, got {max_frequency:g} Hz", where="max_frequency")
     return 0, max_frequency

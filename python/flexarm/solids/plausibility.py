@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 #: A part beyond these sizes [m] is no robot's: it was probably drawn in millimetres, or taken for it.
 LARGEST, SMALLEST = 50.0, 1e-4
 #: A solid part heavier than this [kg] is no arm's: booms of the largest excavators have some tens of tonnes.
-HEAVIEST = 1e5
 #: Cells whose smallest det J is below this part of an ideal cell's are badly distorted.
-DISTORTED = 0.05
 
 
 def validate(mesh: SolidMesh) -> Iterator[Problem]:
@@ -39,15 +37,16 @@ def refuse_implausible(mesh: SolidMesh) -> None:
     InvalidParameter
         With size and mass, and how to insist.
     """
+    heaviest = 1e5
     size = float((mesh.box[1] - mesh.box[0]).max())
     mass = float(_core.mass_properties(mesh.core())[0])
-    if SMALLEST <= size <= LARGEST and mass <= HEAVIEST:
+    if SMALLEST <= size <= LARGEST and mass <= heaviest:
         return
     unit = "m" if size < SMALLEST else "mm"
     raise mesh.error(
         "unit",
         f"the part is {size:.4g} m across and weighs {mass:.4g} kg; allowed are {SMALLEST:g} to "
-        f"{LARGEST:g} m, {HEAVIEST:g} kg. Say --unit {unit} (unit = {unit!r}), or "
+        f"{LARGEST:g} m, {heaviest:g} kg. Say --unit {unit} (unit = {unit!r}), or "
         "state with --mass what it weighs",
     )
 
@@ -85,12 +84,13 @@ def _sets(mesh: SolidMesh) -> Iterator[Problem]:
 
 
 def _distorted(mesh: SolidMesh) -> Iterator[Problem]:
+    distorted = 0.05
     for kind, values in smallest_jacobians(mesh).items():
-        bad = np.flatnonzero((values > FLAT) & (values < DISTORTED))
+        bad = np.flatnonzero((values > FLAT) & (values < distorted))
         if len(bad):
             worst = bad[values[bad].argmin()]
             yield Problem(
                 f"cells.{kind}",
-                f"{len(bad)} of {len(values)} cells are badly distorted (det J below {DISTORTED} of an ideal "
+                f"{len(bad)} of {len(values)} cells are badly distorted (det J below {distorted} of an ideal "
                 f"cell's); the worst is cell {mesh.cell_numbers[kind][worst]} with {values[worst]:.2g}",
             )

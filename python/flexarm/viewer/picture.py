@@ -23,8 +23,6 @@ GHOSTS = ("rigid arm", "equilibrium")
 NAMED = ("joints", "payloads", "points")
 COLUMNS = 3
 """Of a figure of several modes."""
-WIDEST = 48
-"""Line of a title, in letters."""
 
 
 def draw(of: Any, ax: Axes | None = None, **options: Any) -> Axes:
@@ -145,4 +143,5 @@ def _names(axes: Axes, scene: Scene, R: Floats, x: Floats, plane: tuple[int, int
 def _wrapped(text: str) -> str:
     from textwrap import fill
 
-    return "\n".join(fill(line, WIDEST) for line in text.splitlines())
+    widest = 48  # line of a title, in letters
+    return "\n".join(fill(line, widest) for line in text.splitlines())

@@ -19,11 +19,6 @@ from flexarm.importing.stamps import CALENDAR
 from flexarm.reading import reading
 from flexarm.units import factor_to
 
-MOST_LABELS = 20
-"""Different texts of a column that labels rows, such as the names of points."""
-USUAL_INTERVAL = (1e-5, 2.0)
-"""Intervals at which logs are sampled [s], from 0.5 Hz to 100 kHz."""
-
 
 @dataclass(frozen=True)
 class Stamped:
@@ -90,6 +85,7 @@ def logged(path: Path, named: str) -> list[Logged]:
 
 
 def _of_group(source: Source, group: Group, named: str, shared: tuple[str, Array] | None) -> list[Logged]:
+    most_labels = 20  # different texts of a column that labels rows, such as the names of points
     columns = _columns(group)
     units = dict(zip(columns, group.units, strict=False))
     if group.time is not None and group.kind:  # messages: all fields at once
@@ -103,7 +99,7 @@ def _of_group(source: Source, group: Group, named: str, shared: tuple[str, Array
             arrays[column] = source.read(Request(group.topic, (column,))).values[:, 0]
         except Unreadable:
             found = source.array(group.topic, source.find(group.topic, column, "columns")[0])
-            if found.dtype.kind in "OU" and 1 < len(set(found.tolist())) <= MOST_LABELS:
+            if found.dtype.kind in "OU" and 1 < len(set(found.tolist())) <= most_labels:
                 texts[column] = np.array([str(value).strip() for value in found.tolist()])
     if len(texts) != 1:
         return _rows(named, group, arrays, units, _stamps(source, group, arrays, shared, slice(None)), None)
@@ -217,6 +213,7 @@ def _seconds(
 
 def _unit_by_size(time: Floats) -> tuple[str, str]:
     """Return a unit and why; without a reason where several fit."""
+    usual_interval = (1e-5, 2.0)  # intervals at which logs are sampled [s], from 0.5 Hz to 100 kHz
     interval = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
     for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)):
         if CALENDAR < time[:1].sum() * factor < 1e2 * CALENDAR:
@@ -224,7 +221,7 @@ def _unit_by_size(time: Floats) -> tuple[str, str]:
     fitting = [
         unit
         for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9))
-        if USUAL_INTERVAL[0] <= interval * factor <= USUAL_INTERVAL[1]
+        if usual_interval[0] <= interval * factor <= usual_interval[1]
     ]
     whole = bool(np.all(time == np.round(time)))
     if "s" in fitting and not whole:

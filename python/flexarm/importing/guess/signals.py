@@ -18,8 +18,6 @@ from flexarm.units import factor_to
 SCALARS = ("joint_angle", "joint_rate", "joint_command", "motor_torque", "current", "motor_voltage")
 MOTOR, OUTPUT = ("mot", "motor", "actuator"), ("se", "link", "out", "output", "secondary", "load", "arm")
 """Words of sides."""
-ALIKE_SPEEDS = 0.8
-"""Correlation of speeds from which on columns without names are taken for a point."""
 
 
 def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
@@ -82,6 +80,7 @@ def unnamed_points(columns: Sequence[Logged], proposals: Sequence[Proposal], arm
     Speeds (1) of `motion` correlate whatever the unit of angles is, as long as they are small or the joint is
     the only one; the joints' columns are taken as radians of the output where nothing is known yet.
     """
+    alike_speeds = 0.8  # correlation of speeds from which on columns without names are taken for a point
     joints = {p.place[1]: p.raw(arm) for p in drives_of(proposals)}
     bare = [column for column in columns if isinstance(column.column, int) and not column.meaning.quantity]
     found: list[Proposal] = []
@@ -98,7 +97,7 @@ def unnamed_points(columns: Sequence[Logged], proposals: Sequence[Proposal], arm
                 named = kind[2] is not None and matched(kind[2][1], [point]) == point
                 best = max(best, (alike + named, point, three), key=lambda each: each[0])
         score, point, three = best
-        if score < ALIKE_SPEEDS:
+        if score < alike_speeds:
             continue
         proposal = Proposal(three, "position", ("point", point))
         proposal.why["columns"] = "without names: their speed goes with the model's point"

@@ -17,8 +17,6 @@ from flexarm.solids.revolve.profile import Block, BoltCircle, Patch
 from flexarm.solids.revolve.second_order import with_middle_points
 from flexarm.solids.revolve.selection import point_sets
 
-FEWEST_AROUND = 8
-
 
 def revolved(
     blocks: Sequence[Block],
@@ -137,14 +135,15 @@ def _lines(
 
 
 def _around(radii: Lines, size: float, wanted: int | None, patches: Iterable[object]) -> int:
+    fewest_around = 8
     step = 4 if radii.values[0] == 0 else 1
     if wanted is None:
         bolts = lcm(step, *(p.count for p in patches if isinstance(p, BoltCircle)))
-        least = max(FEWEST_AROUND, ceil(2 * pi * radii.values[-1] / size * (1 - 1e-9)))
+        least = max(fewest_around, ceil(2 * pi * radii.values[-1] / size * (1 - 1e-9)))
         return int(bolts * ceil(least / bolts))
-    if wanted < FEWEST_AROUND or wanted % step:
+    if wanted < fewest_around or wanted % step:
         solid = " and a multiple of 4, as the axis is solid" if step == 4 else ""
-        raise InvalidParameter(f"must be at least {FEWEST_AROUND}{solid}, got {wanted}", where="around")
+        raise InvalidParameter(f"must be at least {fewest_around}{solid}, got {wanted}", where="around")
     return wanted
 
 
