@@ -10,7 +10,7 @@ from flexarm.arm import Arm
 from flexarm.arm.effect import effect_class, read_effect
 from flexarm.arm.parameter import Parameter, Path, numbers_at
 from flexarm.arm.uncertainty import owner_of
-from flexarm.campaigns.distributions import Distribution
+from flexarm.campaigns.sampling import Distribution
 from flexarm.campaigns.study import Found, Study, Vary
 from flexarm.errors import InvalidParameter
 from flexarm.tables.check import problems_of

@@ -1,7 +1,6 @@
 """Equilibrium of a loaded arm at rest."""
 
-from flexarm.statics.part_shape import PartShape
 from flexarm.statics.static import static
-from flexarm.statics.statics import Statics
+from flexarm.statics.statics import PartShape, Statics
 
 __all__ = ["PartShape", "Statics", "static"]
