@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arm.gears import coupled_joints
-from flexarm.arm.joint import Gear, Joint
+from flexarm.arm.joint import Gear, Joint, coupled_joints
 from flexarm.arm.link import Beam, SuperElementLink
 from flexarm.arm.names import link_of
 from flexarm.arm.vocabulary import places

@@ -10,8 +10,7 @@ from flexarm.arm import Arm, Beam, RigidLink
 from flexarm.arm.link import Link
 from flexarm.arm.rotation import added
 from flexarm.arm.weight import WeightStatement, weight_statement
-from flexarm.assembly.base import tilted
-from flexarm.assembly.machine import Load, Machine, Member, machine_of
+from flexarm.assembly.machine import Load, Machine, Member, machine_of, tilted
 
 
 def as_built(machine: Machine) -> Arm:

@@ -10,15 +10,22 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexarm import _core
 from flexarm.arm import Arm, Closure
-from flexarm.arm.gears import gear_input
 from flexarm.arm.inertia import inertia_matrix
-from flexarm.arm.joint import Joint
+from flexarm.arm.joint import Joint, gear_input
 from flexarm.arm.link import Beam, RigidLink, SuperElementLink
 from flexarm.arm.rotation import Frame, chained, from_rpy
 from flexarm.arm.section import General, Rectangle, Round, Tube
-from flexarm.assembly.base import core_hinges, pedestal, tilted
 from flexarm.assembly.loops import Loops
-from flexarm.assembly.machine import Load, Machine, Member, machine_of, nominal_machine
+from flexarm.assembly.machine import (
+    Load,
+    Machine,
+    Member,
+    core_hinges,
+    machine_of,
+    nominal_machine,
+    pedestal,
+    tilted,
+)
 from flexarm.errors import InvalidParameter
 from flexarm.tables.ranges import out_of_range
 

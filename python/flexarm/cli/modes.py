@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from flexarm.cli.options import JointValues, Json, Model, blame, joint_values, load_arm, print_json
+from flexarm.cli.options import JointValues, Json, Model, blame, joint_values, load_arm, show
 
 
 def modes(
@@ -31,7 +31,4 @@ def modes(
 
     with blame(model):
         result = solve(arm, joints=values, count=count, gravity=not no_gravity)
-    if json:
-        print_json(result.to_json_dict())
-    else:
-        print(result.summary())
+    show(result, json)

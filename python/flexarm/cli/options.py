@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 import typer
 
@@ -34,6 +34,10 @@ Force = Annotated[
         "--force",
         help="Write into a directory that holds files: those of the same name are replaced, others stay.",
     ),
+]
+ReplaceFile = Annotated[bool, typer.Option("--force", help="Replace a file that exists.")]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, metavar="N", help="Number of threads; default one a core.")
 ]
 Step = Annotated[float, typer.Option("--step", metavar="S", help="Time step of the simulations [s].")]
 
@@ -176,6 +180,24 @@ def blame(file: Path, record: Path | None = None) -> Iterator[None]:
             problem.what,
             problems=error.problems,
         ) from None
+
+
+class Shown(Protocol):
+    """A result for programs and for a person."""
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Return its JSON object."""
+
+    def summary(self) -> str:
+        """Return it in lines."""
+
+
+def show(found: Shown, as_json: bool) -> None:
+    """Print a result as one JSON object or in lines."""
+    if as_json:
+        print_json(found.to_json_dict())
+    else:
+        print(found.summary())
 
 
 def print_json(value: object) -> None:

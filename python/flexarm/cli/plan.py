@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Force, Json, Model, blame, load_arm, print_json, warn
+from flexarm.cli.options import AllowOutside, Force, Jobs, Json, Model, blame, load_arm, print_json, warn
 from flexarm.cli.progress import progress
 from flexarm.errors import InvalidFile
 
@@ -26,9 +26,6 @@ More = Annotated[
 ]
 OutOrNone = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Directory for plan.json, plan.html, figures.")
-]
-Jobs = Annotated[
-    int | None, typer.Option("--jobs", min=1, metavar="N", help="Number of threads; default one a core.")
 ]
 
 

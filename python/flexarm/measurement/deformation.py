@@ -20,8 +20,7 @@ from flexarm.arm.kinematics import chain_to, link_pose
 from flexarm.arm.names import link_of
 from flexarm.arrays import Floats
 from flexarm.assembly.as_built import as_built
-from flexarm.assembly.base import tilted
-from flexarm.assembly.machine import machine_of
+from flexarm.assembly.machine import machine_of, tilted
 from flexarm.measurement.sampling import CannotMeasure, Described, columns, sample, stored
 from flexarm.measurement.tracker import base_position
 

@@ -23,7 +23,7 @@ from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import Registration
 from flexarm.measurement.measure import measure
-from flexarm.mockup.models import mock_up
+from flexarm.mockup.arms import mock_up
 from flexarm.record import Clock, Frame, Record
 from flexarm.simulation import Progress, Simulation, simulate
 

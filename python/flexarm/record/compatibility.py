@@ -9,7 +9,7 @@ import numpy as np
 
 from flexarm.arm.consistency import missing
 from flexarm.arm.effect import read_effect
-from flexarm.arm.gears import coupled_joints
+from flexarm.arm.joint import coupled_joints
 from flexarm.arm.link import Beam
 from flexarm.arm.rotation import scaled
 from flexarm.errors import InvalidParameter, Problem

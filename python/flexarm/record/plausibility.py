@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arm.gears import shaft_ratio
+from flexarm.arm.joint import shaft_ratio
 from flexarm.errors import Problem
 from flexarm.record.drive_span import single_values, uncovered
 from flexarm.record.frame_plausibility import frame_rotation_problems

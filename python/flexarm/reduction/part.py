@@ -16,7 +16,7 @@ from flexarm.arguments import COUNT, FLAG, MESH, NAMED, NUMBER, POSITIVE, TEXT, 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.reduction.interface_set import InterfaceSet, refuse_shared
-from flexarm.solids.plausibility import refuse_implausible
+from flexarm.solids.checks import refuse_implausible
 from flexarm.superelement import SuperElement
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def reduce_mesh(
         Lumped instead of consistent masses.
     mass : float, optional
         What the part weighs [kg]; the reduced part must agree within 0.1 %. Needed for a part of a size or
-        mass that no part of an arm has (`flexarm.solids.plausibility`).
+        mass that no part of an arm has (`flexarm.solids.checks`).
     recovery : bool
         Keep the matrix that gives the displacements of all points, 24 bytes a point and freedom.
     name : str, optional

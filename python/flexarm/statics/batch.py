@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arm import Arm
-from flexarm.arm.gears import gear_input
+from flexarm.arm.joint import gear_input
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, following_joints, joint_values, point_loads
