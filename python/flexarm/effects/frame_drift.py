@@ -10,10 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.prior import Prior
-from flexarm.arm.sensor_effect import FrameEffect, Vector
+from flexarm.arm.sensor_effect import ZERO, FrameEffect, Vector
 from flexarm.tables import Vector3, value_in
-
-NONE = (0.0, 0.0, 0.0)
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -25,11 +23,11 @@ class FrameDrift(FrameEffect):
     name: ClassVar[str] = "frame_drift"
     in_motion = ("velocity",)
     varies_with = "time"
-    velocity: Vector3 = value_in("m/s", "velocity of what is measured while nothing moves", NONE)
+    velocity: Vector3 = value_in("m/s", "velocity of what is measured while nothing moves", ZERO)
 
     def moved(self) -> tuple[Vector, Vector, Vector]:
         """Eq. (1)."""
-        return NONE, NONE, self.velocity
+        return ZERO, ZERO, self.velocity
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Of a tripod that settles or warms."""

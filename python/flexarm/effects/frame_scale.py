@@ -10,10 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexarm.arm.prior import Prior
-from flexarm.arm.sensor_effect import FrameEffect, Vector
+from flexarm.arm.sensor_effect import ZERO, FrameEffect, Vector
 from flexarm.tables import Number, value_in
-
-NONE = (0.0, 0.0, 0.0)
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -29,7 +27,7 @@ class FrameScale(FrameEffect):
 
     def moved(self) -> tuple[Vector, Vector, Vector]:
         """Return zeros: it neither shifts nor turns."""
-        return NONE, NONE, NONE
+        return ZERO, ZERO, ZERO
 
     def enlarged(self) -> float:
         """Eq. (1)."""

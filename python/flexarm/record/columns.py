@@ -22,6 +22,9 @@ from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.tables.toml import read_text
 
+_BLOCK = 1 << 20
+"""Characters that are read at once: many lines, and little memory beside their columns."""
+
 
 class CsvFile:
     """A CSV file whose columns are read on demand.
@@ -124,13 +127,11 @@ class CsvFile:
 
     def _fast(self, where: list[int]) -> Floats | None:
         """Return the columns by NumPy's reader, or None where a cell needs a closer look."""
-        # Characters that are read at once: many lines, and little memory beside their columns.
-        block = 1 << 20
         try:
             with self._open() as file:
                 for _ in range(self._header_line):
                     file.readline()
-                blocks = iter(lambda: file.read(block) + file.readline(), "")
+                blocks = iter(lambda: file.read(_BLOCK) + file.readline(), "")
                 lines = chain.from_iterable(map(self._lines, blocks))
                 values = np.loadtxt(lines, delimiter=",", usecols=where, comments=None, ndmin=2)
         except ValueError:
