@@ -406,3 +406,52 @@ def test_a_model_with_a_typing_error_keeps_the_place_of_the_error(tmp_path, caps
     (tmp_path / "arm.toml").write_text('format = "flexarm-arm/1"\nname "arm"\n')
     assert run(["check", str(tmp_path / "arm.toml")]) == 2
     assert "line 2, column 6: not valid TOML" in capsys.readouterr().err
+
+
+TRACKER = """
+format = "flexarm-map/1"
+[[signals]]
+name = "tip"
+source = "log.csv"
+quantity = "position"
+point = "tip"
+unit = "mm"
+time_format = "%m/%d/%Y %H:%M:%S.%f"
+"""
+STREAM = [
+    ("Tool", "p1", "1000.5000 2000.0000 3000.0000", "09/14/2026 23:59:59.950"),
+    ("Wall", "p1", "4000.0000 5000.0000 6000.0000", "09/14/2026 23:59:59.975"),
+    ("Tool", "p2", "1001.5000 2000.0000 3000.0000", "09/15/2026 00:00:00.000"),
+]
+
+
+@pytest.mark.parametrize(
+    ("row", "keys"),
+    [
+        ("A {0} {1} {2} {3}", 'columns = [4, 5, 6]\ntime = [7, 8]\nwhere = { 2 = "Tool" }'),
+        ("A,{0},{1},{commas},{3}", 'columns = [4, 5, 6]\ntime = 7\nwhere = { 2 = "T?ol" }'),
+        ("A::{0}::{1}, {commas}, {3}", 'columns = [2, 3, 4]\ntime = 5\nwhere = { 1 = "A::Tool::*" }'),
+    ],
+    ids=["blanks", "commas", "one name"],
+)
+def test_exports_of_laser_trackers_are_read(tmp_path, row, keys):
+    """Groups of targets, date and time of day, remarks above and between the rows."""
+    rows = [row.format(*each, commas=each[2].replace(" ", ", ")) for each in STREAM]
+    rows[1:1] = ["// Working Frame: A::Tracker"]
+    text = "// SA 2024.1\n// Units: Millimeters, as a long remark\n\n" + "\n".join(rows) + "\n"
+    tip = imported(tmp_path, TRACKER + keys, log_csv=text).signals["tip"]
+    np.testing.assert_allclose(tip.values, [[1.0005, 2, 3], [1.0015, 2, 3]])
+    assert np.diff(tip.time) == pytest.approx(0.05, abs=1e-6)  # over midnight
+
+
+def test_where_without_a_row_tells_what_stands_there(tmp_path):
+    keys = TIP.replace('point = "tip"', 'point = "tip"\nwhere = { target = "tool" }')
+    rows = "time,angle,x,z,target\n" + "".join(f"{k},0,1,2,Ball{k % 7}\n" for k in range(9))
+    (told,) = problems(tmp_path, HINGE + keys, log_csv=rows)
+    assert "there is no row with {'target': 'tool'}" in told
+    assert "column 'target' holds 'Ball0', 'Ball1', 'Ball2', 'Ball3', 'Ball4' and 2 more" in told
+
+
+def test_stamps_of_several_columns_need_their_form(tmp_path):
+    (told,) = problems(tmp_path, HINGE.replace('"time"', '["x", "time"]'), log_csv=ROWS)
+    assert "signals.hinge.time" in told and "time_format says how they read" in told

@@ -28,7 +28,8 @@ BLOCK = 1 << 24
 DROP_OUTS = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A"]
 """Cells that hold no value."""
 SEPARATORS = (",", ";", "\t", "|", " ")
-_COMMENT = "#"
+_COMMENTS = ("//", "%", "#")
+"""Marks of remarks: the one with which a file begins, else the last."""
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?|[+-]?(nan|inf)", re.I)
 _DECIMAL_COMMA = re.compile(r"[+-]?(\d+(,\d*)?|,\d+)([eE][+-]?\d+)?|[+-]?nan", re.I)
 _INSTANT = re.compile(
@@ -81,7 +82,7 @@ def layout(path: Path, dialect: Dialect) -> Layout:
         raise InvalidFile(path, "csv.encoding", f"cannot be read as {encoding!r}: {error}") from None
     lines = text.lstrip("\ufeff").replace("\r\n", "\n").split("\n")
     lines = lines if complete or len(lines) < 2 else lines[:-1]
-    comment = dialect.comment or _COMMENT
+    comment = dialect.comment or _comment(lines)
     start = dialect.header_rows or 0
     body = [line for line in lines[start:] if line.strip() and not line.lstrip().startswith(comment)]
     if not body:
@@ -121,6 +122,12 @@ def layout(path: Path, dialect: Dialect) -> Layout:
     names = [*names[:count], *[""] * (count - len(names))]
     whole = tuple(_whole([row[i].strip() for row in table if i < len(row)], decimal) for i in range(count))
     return Layout(encoding, separator, decimal, comment, first, tuple(names), tuple(units), whole)
+
+
+def _comment(lines: Sequence[str]) -> str:
+    """Return the mark of remarks, seen from the first line that is not empty."""
+    first = next((line.lstrip() for line in lines if line.strip()), "")
+    return next((mark for mark in _COMMENTS if first.startswith(mark)), _COMMENTS[-1])
 
 
 def _encoding(raw: bytes) -> str:
@@ -238,18 +245,17 @@ class DelimitedText(Source):
         """Yield the columns of all requests, as far as there are such."""
         for request in self.requests:
             others = [column for _, column in request.others]
-            for column in (*request.columns, request.time, *others):
+            for column in (*request.columns, *request.time_columns, *others):
                 with suppress(Unreadable):
-                    if column is not None:
-                        yield self.find(None, column, "columns")[0]
+                    yield self.find(None, column, "columns")[0]
 
     def _stamp_columns(self) -> dict[int, bool]:
         """Return the columns of stamps, and True for those that are read as text."""
         found = {}
         for request in self.requests:
-            with suppress(Unreadable):
-                if request.time is not None:
-                    found[self.find(None, request.time, "time")[0]] = request.stamps_are_text
+            for column in request.time_columns:
+                with suppress(Unreadable):
+                    found[self.find(None, column, "time")[0]] = request.stamps_are_text
         return found
 
     def _rows(self) -> Iterator[tuple[int, list[str]]]:

@@ -48,6 +48,8 @@ def _column(value: Any) -> Any:
 def _time(value: Any) -> Any:
     if isinstance(value, Mapping):
         return Every(**value)
+    if isinstance(value, list | tuple) and value:
+        return tuple(_column(column) for column in value)
     return value if isinstance(value, Every) else _column(value)
 
 
@@ -70,7 +72,7 @@ def _factors(value: Any) -> Any:
 
 Column = Annotated[str | int, BeforeValidator(_column)]
 Columns = Annotated[tuple[Column, ...], BeforeValidator(_columns)]
-Stamps = Annotated[str | int | Every, BeforeValidator(_time)]
+Stamps = Annotated[str | int | tuple[Column, ...] | Every, BeforeValidator(_time)]
 Unit = Annotated[str | Counts | Current, BeforeValidator(_unit)]
 Numbers = Annotated[tuple[Number, ...], BeforeValidator(_factors)]
 Mark = Annotated[str, StringConstraints(min_length=1, max_length=1)]
@@ -87,7 +89,7 @@ class Dialect(Table):
     header_rows: Annotated[int, Strict(), Field(ge=0)] | None = None
     """Lines before the first row; the last of them, or the one above a line of units, names the columns."""
     comment: str | None = Field(None, min_length=1)
-    """What lines begin with that are skipped; default `#`."""
+    """What lines begin with that are skipped; default `//` or `%` if the file begins so, else `#`."""
     columns: tuple[str, ...] = ()
     """Names of the columns, in place of those that the file gives."""
 
@@ -103,14 +105,15 @@ class SignalMap(Measurement):
         Topic of a bag, path of a variable or group, name of a sheet.
     columns : list of str or int
         Columns or fields of the values; numbers count from 1, `[k]` picks a row of a matrix.
-    time : str, int or table, optional
-        Column or field of the stamps, "log" for the file's own time, or `{ rate_hz = }`.
+    time : str, int, list of these or table, optional
+        Column or field of the stamps, "log" for the file's own time, or `{ rate_hz = }`; of stamps that are
+        texts the columns that make one together, such as date and time of day.
     time_unit, time_format : str, optional
         s, ms, us or ns; of stamps that are texts their form as `datetime.strptime` takes it.
     pose : str or int, optional
         In a record of poses the column that names the pose; left out: each row is a pose.
     where : dict of str to str or number, optional
-        Only rows in which columns hold these values.
+        Only rows in which columns hold these values; in a text `*` stands for any others, `?` for one.
     unit : str or table, optional
         Unit of the values, `{ counts_per_turn = }` or `{ torque_constant = }`; default SI.
     before_gear : bool
@@ -208,6 +211,9 @@ class SignalMap(Measurement):
         if self.time_unit is not None and factor_to("s", self.time_unit) is None:
             what = f"unit {self.time_unit!r} does not fit; allowed are s, ms, us, ns, min"
             found.append((("time_unit",), what))
+        if isinstance(self.time, tuple) and self.time_format is None:
+            what = "columns that make a stamp together are joined by blanks; time_format says how they read"
+            found.append((("time",), what))
         if isinstance(self.time, Every):
             found += [
                 ((key,), f"does not belong to stamps of a rate_hz, which are in s; got {value!r}")

@@ -46,12 +46,19 @@ class Request:
     """Topic, path of a group, or sheet."""
     columns: tuple[str | int, ...]
     """Columns of values."""
-    time: str | int | None = None
-    """Column of stamps, or "log"; None: none needed."""
+    time: str | int | tuple[str | int, ...] | None = None
+    """Column of stamps, or "log"; several are texts that make a stamp together; None: none needed."""
     others: tuple[tuple[str, str | int], ...] = ()
     """Key of the map and a column that tells rows apart: poses, and what they are chosen by."""
     stamps_are_text: bool = False
     """True if stamps are read as text."""
+
+    @property
+    def time_columns(self) -> tuple[str | int, ...]:
+        """The columns of stamps."""
+        if self.time is None:
+            return ()
+        return self.time if isinstance(self.time, tuple) else (self.time,)
 
 
 @dataclass(frozen=True)
@@ -191,6 +198,8 @@ class Source(ABC):
         topic, column = request.topic, request.time
         if column is None:
             return None, None
+        if isinstance(column, tuple):
+            return self._joined(topic, column), None
         if column == LOG and LOG not in self.names(topic):
             return self.log_time(topic, indices)
         index, pick = self.find(topic, column, "time")
@@ -203,6 +212,14 @@ class Source(ABC):
         if found.dtype.kind not in "iu":
             found = as_numbers(found, lambda row: self.place(topic, row), f"column {column!r}", "time")
         return found, self.time_unit(topic, index)
+
+    def _joined(self, topic: str | None, columns: Sequence[str | int]) -> Array:
+        """Return texts of several columns, joined by blanks."""
+        texts = []
+        for column in columns:
+            index, pick = self.find(topic, column, "time")
+            texts.append(one_row(self.array(topic, index), pick, None, f"column {column!r}").tolist())
+        return np.array([" ".join(map(str, row)) for row in zip(*texts, strict=True)])
 
 
 def one_row(array: Array, pick: int | None, rows: int | None, what: str) -> Array:

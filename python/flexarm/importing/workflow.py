@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -30,6 +31,9 @@ from flexarm.tables import refuse
 
 if TYPE_CHECKING:
     from flexarm.tables.field import Path as Where
+
+MOST_NAMED = 5
+"""Values of a column that an error names."""
 
 
 @takes(path=PATH)
@@ -203,7 +207,7 @@ class _Importer:
             tuple(column[rows] for column in samples.others),
         )
         if not len(taken.values):
-            raise Unreadable("where" if signal.where else "columns", "there is no row")
+            raise Unreadable("where" if signal.where else "columns", _no_row(signal, samples))
 
         def place(row: int) -> str:
             return source.place(signal.topic, int(rows[row]) if isinstance(rows, np.ndarray) else row)
@@ -264,12 +268,34 @@ def _chosen(signal: SignalMap, samples: Samples) -> Array | slice:
     if not signal.where:
         return slice(None)
     chosen = np.ones(len(samples.values), dtype=bool)
-    for wanted, column in zip(signal.where.values(), samples.others[-len(signal.where) :], strict=True):
+    for wanted, column in zip(signal.where.values(), _labels(signal, samples), strict=True):
         if isinstance(wanted, str):
-            chosen &= np.array([str(value).strip() == wanted for value in column.tolist()])
+            form = re.compile(re.escape(wanted).replace(r"\*", ".*").replace(r"\?", "."), re.S)
+            chosen &= np.array([bool(form.fullmatch(str(value).strip())) for value in column.tolist()])
         else:
             chosen &= column.astype(float) == wanted if column.dtype.kind in "iufb" else False
     return np.flatnonzero(chosen)
+
+
+def _labels(signal: SignalMap, samples: Samples) -> tuple[Array, ...]:
+    """Return the columns by which rows are chosen."""
+    return samples.others[-len(signal.where) :]
+
+
+def _no_row(signal: SignalMap, samples: Samples) -> str:
+    """Say that there is no row, and what the columns hold by which rows are chosen."""
+    if not signal.where or not len(samples.values):
+        return "there is no row"
+    found = []
+    for (column, wanted), values in zip(signal.where.items(), _labels(signal, samples), strict=True):
+        names = list(
+            dict.fromkeys(
+                f"{str(v).strip()!r}" if isinstance(wanted, str) else f"{v}" for v in values.tolist()
+            )
+        )
+        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        found.append(f"column {column!r} holds {', '.join(names[:MOST_NAMED])}{more}")
+    return f"there is no row with {signal.where}; {'; '.join(found)}"
 
 
 def _in_si(table: SignalMap, values: Floats, arm: Arm | None) -> Floats:
