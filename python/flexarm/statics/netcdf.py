@@ -10,7 +10,7 @@ from flexarm.netcdf import Contents
 from flexarm.reading import reading, require
 from flexarm.result import AXES, counts, labels, load, model_of, provenance
 from flexarm.sensitivity import Sensitivities
-from flexarm.statics.statics import PartShape
+from flexarm.statics.part_shape import PartShape
 
 if TYPE_CHECKING:
     from flexarm.statics.statics import Statics

@@ -13,7 +13,8 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble
 from flexarm.statics.batch import StaticsBatch, positions
-from flexarm.statics.statics import PartShape, Statics
+from flexarm.statics.part_shape import PartShape
+from flexarm.statics.statics import Statics
 
 
 @takes(arm=ARM, joints=VALUES, forces=VECTORS, at_link=NAMES, sensitivities=NAMES)

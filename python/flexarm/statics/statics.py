@@ -14,25 +14,13 @@ from flexarm.arrays import Floats
 from flexarm.pictures import drawn, viewed
 from flexarm.result import Result
 from flexarm.sensitivity import Sensitivities
+from flexarm.statics.part_shape import PartShape
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from flexarm.netcdf import Contents
     from flexarm.viewer import View
-
-
-@dataclass(frozen=True, eq=False)
-class PartShape:
-    """Where a super-element is, and how it is deformed."""
-
-    rotation: Floats
-    position: Floats
-    """The part's frame in the base, fixed to its first interface; position in m."""
-    freedoms: Floats
-    """Displacements in that frame, in the freedoms of the super-element: of each interface three translations
-    [m] and three rotations [rad], then its modes. `SuperElement.recovery` turns them into the mesh's, shape
-    (dof,)."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
