@@ -33,10 +33,7 @@ OUTSIDE: ContextVar[bool] = ContextVar("OUTSIDE", default=False)
 def regular_file(path: str | Path) -> Path:
     """Return the path, if a regular file is there that may be read; links are followed.
 
-    Raises
-    ------
-    InvalidFile
-        If nothing is there, or a directory, pipe, device or socket, which might never end.
+    Raise InvalidFile if nothing is there, or a directory, pipe, device or socket, which might never end.
     """
     try:
         mode = Path(path).stat().st_mode
@@ -65,10 +62,7 @@ def is_inside(path: Path, folder: Path) -> bool:
 def any_text(path: str | Path) -> str:
     """Return the text of another program's file: UTF-8, or UTF-16 that says so, or else Latin-1.
 
-    Raises
-    ------
-    InvalidFile
-        If it is no regular file, or cannot be read.
+    Raise InvalidFile if it is no regular file, or cannot be read.
     """
     with reading(regular_file(path), "text"):
         raw = Path(path).read_bytes()
@@ -111,10 +105,7 @@ class Includes:
     def into(self, file: Path, where: str, name: str) -> Iterator[Path]:
         """Yield the file that `name` is, relative to the one that includes it, while it is read.
 
-        Raises
-        ------
-        InvalidFile
-            If it is not there, includes itself, lies too deep, or is one too many.
+        Raise InvalidFile if it is not there, includes itself, lies too deep, or is one too many.
         """
         most_includes = 1000  # files that a mesh may include in all
         deepest_include = 20  # files that may include one another in turn

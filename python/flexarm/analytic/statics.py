@@ -57,10 +57,8 @@ def rigid_rotation(arm: Equation) -> Array:
 def equilibrium(arm: Equation, drive_angle: float, stiffness: float = math.inf) -> Array:
     """Return the coordinates q at rest under a held motor angle φ [rad], on a spring k [N m/rad]; inf: rigid.
 
-    Raises
-    ------
-    NotConverged
-        If Newton's iterations find no equilibrium (the arm buckles, or the spring is too soft for the load).
+    Raise NotConverged if Newton's iterations find no equilibrium (the arm buckles, or the spring is too soft
+    for the load).
     """
     max_iterations = 50
     if not stiffness > 0:
@@ -96,10 +94,7 @@ def stiffness_matrix(arm: Equation, q: Array, spring: float, drive_angle: float 
 def small_vibrations_hz(arm: Equation, drive_angle: float, stiffness: float = math.inf) -> Array:
     """Return the frequencies [Hz] of (S2) about the equilibrium at a held motor angle, rising.
 
-    Raises
-    ------
-    NotConverged
-        If the equilibrium is unstable or is not found.
+    Raise NotConverged if the equilibrium is unstable or is not found.
     """
     from scipy.linalg import eigh
 

@@ -100,10 +100,7 @@ class SuperElementLink(Table):
     def part(self) -> SuperElement:
         """The matrices.
 
-        Raises
-        ------
-        InvalidFile
-            If the file cannot be read.
+        Raise InvalidFile if the file cannot be read.
         """
         from flexarm.arm.part_files import load_part
 

@@ -28,10 +28,7 @@ def as_built(machine: Machine) -> Arm:
 def weight_as_built(arm: Arm) -> WeightStatement:
     """Return the weight statement of an arm with its effects.
 
-    Raises
-    ------
-    InvalidFile
-        If the file of a super-element cannot be read.
+    Raise InvalidFile if the file of a super-element cannot be read.
     """
     machine = machine_of(arm)
     parts = {

@@ -34,10 +34,8 @@ def compute_here(job: Job, tasks: Iterable[Task], put: Put) -> None:
 def compute_with(client: Client, job: Job, tasks: Iterable[Task], put: Put) -> None:
     """Compute all tasks on the workers of a client, and put the rows of each as it comes.
 
-    Raises
-    ------
-    InvalidParameter
-        If the workers cannot compute at all, or the scheduler goes away; what was put stays.
+    Raise InvalidParameter if the workers cannot compute at all, or the scheduler goes away; what was put
+    stays.
     """
     waiting, under_way, suspects = iter(tasks), dict[Any, Task](), list[Task]()
     with _sent(client, job) as name:
@@ -90,10 +88,7 @@ def _refuse_unless_killed(future: Any) -> None:
 def _dask() -> Any:
     """Return the package that distributes.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is not installed.
+    Raise InvalidParameter if it is not installed.
     """
     try:
         return import_module("distributed")
@@ -177,10 +172,7 @@ def client_of(scheduler: str | None, jobs: int | None, room: Path) -> Iterator[C
 
     `jobs` is their number, by default one a core, and `room` a directory for files that these need.
 
-    Raises
-    ------
-    InvalidParameter
-        If Dask is not installed, or the scheduler cannot be reached.
+    Raise InvalidParameter if Dask is not installed, or the scheduler cannot be reached.
     """
     dask = _dask()
     if scheduler is None:

@@ -145,10 +145,7 @@ def _name(path: Path, folder: Path) -> str:
 def planned(file: Path) -> Plan:
     """Return the plan of a study.
 
-    Raises
-    ------
-    InvalidFile
-        With every problem of the study, or of a file that it names.
+    Raise InvalidFile with every problem of the study, or of a file that it names.
     """
     study, data, text = read_study(file)
     folder = file.parent
@@ -196,10 +193,7 @@ def _remarks(study: Study) -> Iterator[Problem]:
 def refuse_other(plan: Plan, stored: Path, content: Any) -> None:
     """Refuse to go on with a campaign of another study, or of other inputs.
 
-    Raises
-    ------
-    InvalidFile
-        With the first key, or the files, that differ.
+    Raise InvalidFile with the first key, or the files, that differ.
     """
     mine = plan.fingerprint()
     theirs = content if isinstance(content, dict) else {}

@@ -129,10 +129,7 @@ def _unpacked(file: Path) -> Part:
 def refuse_gaps(file: Path, n: int, done: set[int]) -> None:
     """Refuse parts that are of another campaign.
 
-    Raises
-    ------
-    InvalidFile
-        If there are samples that the study has not.
+    Raise InvalidFile if there are samples that the study has not.
     """
     if done and max(done) >= n:
         raise InvalidFile(

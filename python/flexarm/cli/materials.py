@@ -21,10 +21,7 @@ _FORM = "[GROUP:]E=..,nu=..,rho=.. such as E=210GPa,nu=0.3,rho=7850kg/m3"
 def read_materials(texts: Iterable[str], unit: str) -> tuple[dict[str, Material], list[Problem]]:
     """Return materials by group, "" for all cells without one, and what is to be said about them.
 
-    Raises
-    ------
-    InvalidFile
-        If one is not of the form, names a group twice, or no solid has its values.
+    Raise InvalidFile if one is not of the form, names a group twice, or no solid has its values.
     """
     materials: dict[str, Material] = {}
     notes: list[Problem] = []

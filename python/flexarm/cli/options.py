@@ -106,10 +106,7 @@ def refuse(faults: Iterable[tuple[Path, Problem]]) -> None:
 def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, float]:
     """Return the values of --joint.
 
-    Raises
-    ------
-    InvalidFile
-        If one is not NAME=NUMBER, names no moving joint, or names one twice.
+    Raise InvalidFile if one is not NAME=NUMBER, names no moving joint, or names one twice.
     """
     joints = [joint.name for joint in arm.moving_joints]
     values: dict[str, float] = {}
@@ -147,10 +144,7 @@ def _is_finite(text: str) -> bool:
 def refuse_step(step: float) -> None:
     """Refuse a time step that is not positive and finite.
 
-    Raises
-    ------
-    InvalidFile
-        With the value of --step.
+    Raise InvalidFile with the value of --step.
     """
     if not 0 < step < math.inf:
         raise InvalidFile("command line", "--step", f"must be positive, got {step:g} s")

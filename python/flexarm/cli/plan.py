@@ -87,10 +87,7 @@ def _planned(model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: i
 def _names(paths: list[Path]) -> dict[str, Path]:
     """Return motions by the names of their files or directories.
 
-    Raises
-    ------
-    InvalidFile
-        If two have the same name.
+    Raise InvalidFile if two have the same name.
     """
     found: dict[str, Path] = {}
     for path in paths:

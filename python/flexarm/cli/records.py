@@ -24,10 +24,7 @@ Found = TypeVar("Found", "Calibration", "Diagnosis")
 def record_names(paths: list[Path]) -> dict[str, Path]:
     """Name of records: of their directories, with parents as far as two would be the same.
 
-    Raises
-    ------
-    InvalidFile
-        If a record is given twice; what is held out must not be fitted to.
+    Raise InvalidFile if a record is given twice; what is held out must not be fitted to.
     """
     places = [(path.parent if path.name == "record.toml" else path).resolve() for path in paths]
     for i, place in enumerate(places):

@@ -96,10 +96,7 @@ def draw(solid: SolidMesh, element: SuperElement, interface: list[str] | None, p
 def read_interfaces(interface: list[str] | None, form: str) -> dict[str, str]:
     """Return WHAT by NAME of every --interface NAME=WHAT.
 
-    Raises
-    ------
-    InvalidFile
-        If one is not of the form, has a bad name, or a name stands twice.
+    Raise InvalidFile if one is not of the form, has a bad name, or a name stands twice.
     """
     from flexarm.tables.table import check_name
 

@@ -183,10 +183,7 @@ def _record_of(found: Diagnosis, folder: Path) -> Path | None:
 def _model_of(folder: Path) -> Path:
     """Return the only model that lies in a record's directory or beside it.
 
-    Raises
-    ------
-    InvalidFile
-        If there is none, or more than one.
+    Raise InvalidFile if there is none, or more than one.
     """
     beside = [*folder.glob("*.toml"), *folder.absolute().parent.glob("*.toml")]
     models = sorted(

@@ -126,10 +126,8 @@ def _simulate(arm: Arm, record: Record, step: float, alpha: float) -> Any:
 def require_known_drive(record: Record) -> None:
     """Refuse a record that shows what its drive does not.
 
-    Raises
-    ------
-    InvalidParameter
-        If a signal has no instant in common with the drive, or shows a motion while that is unknown.
+    Raise InvalidParameter if a signal has no instant in common with the drive, or shows a motion while that
+    is unknown.
     """
     for problem in (*disjoint_clocks(record), *unknown_motion(record)):
         raise InvalidParameter(problem.what, where=problem.where)

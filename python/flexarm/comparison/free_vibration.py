@@ -53,12 +53,8 @@ def simulate_free_vibration(arm: Arm, record: Record, step: float) -> StateSnaps
 
     The record has no drive and `initial = "moving"`.
 
-    Raises
-    ------
-    InvalidParameter
-        If no signal of a known clock and frame shows the vibration.
-    NotConverged
-        If the arm has no stable equilibrium.
+    Raise InvalidParameter if no signal of a known clock and frame shows the vibration, and NotConverged if
+    the arm has no stable equilibrium.
     """
     drive = Drive.from_record(record, arm)
     time = np.linspace(drive.start, drive.end, max(int(np.ceil((drive.end - drive.start) / step)), 1) + 1)

@@ -49,10 +49,7 @@ def initial_guesses(simulations: Sequence[SimulatedRecord], starts: Sequence[Pla
 
     A clock or frame that one record knows starts there in all.
 
-    Raises
-    ------
-    InvalidParameter
-        If a clock cannot have one offset in all records that it is in.
+    Raise InvalidParameter if a clock cannot have one offset in all records that it is in.
     """
     found = list(starts)
     for name in dict.fromkeys(name for simulated in simulations for name in simulated.record.clocks):

@@ -44,12 +44,8 @@ def is_input(record: Record, signal: Signal) -> bool:
 def solve_poses(arm: Arm, record: Record, *, sensitivities: Iterable[str] = ()) -> PoseSequence:
     """Solve the equilibrium of every pose of a static record, with derivatives as in `simulate`.
 
-    Raises
-    ------
-    InvalidParameter
-        If a drive does not say where a joint stands in a pose, or there is no derivative by a parameter.
-    NotConverged
-        If a pose has no stable equilibrium.
+    Raise InvalidParameter if a drive does not say where a joint stands in a pose, or there is no derivative
+    by a parameter, and NotConverged if a pose has no stable equilibrium.
     """
     model = _StaticModel(arm, record, parameters(arm, sensitivities))
     found = [model.held(model.inputs(pose), model.turning(pose)) for pose in record.poses]

@@ -141,10 +141,7 @@ class Drive:
 def samples_in(path: str | Path, arm: Arm) -> tuple[Floats, dict[str, Floats]]:
     """Return times [s] and samples by joint.
 
-    Raises
-    ------
-    InvalidFile
-        With line and column of what is wrong.
+    Raise InvalidFile with line and column of what is wrong.
     """
     table = CsvFile(Path(path), path)
     if "time_s" not in table.header:

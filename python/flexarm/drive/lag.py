@@ -37,10 +37,7 @@ APART = 0.25
 def as_followed(drive: Drive, arm: Arm) -> Drive:
     """Return the motions with which motors follow their drives, those of outputs of gears at the inputs.
 
-    Raises
-    ------
-    InvalidParameter
-        If a joint is to follow a torque or a held command late.
+    Raise InvalidParameter if a joint is to follow a torque or a held command late.
     """
     effects = {effect.at: effect for effect in arm.effects if isinstance(effect, DriveEffect)}
     late = _late(drive, effects)

@@ -16,10 +16,7 @@ if TYPE_CHECKING:
 def read_robot(path: Path, root: str) -> Element:
     """Return the root of an XML file, comments included.
 
-    Raises
-    ------
-    InvalidFile
-        If it is no XML file, or its root has another name.
+    Raise InvalidFile if it is no XML file, or its root has another name.
     """
     from xml.etree import ElementTree
 
@@ -37,10 +34,7 @@ def read_robot(path: Path, root: str) -> Element:
 def write_robot(root: Element, path: Path, inputs: list[Path]) -> None:
     """Write an XML file, which appears when it is whole and replaces no input.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be written.
+    Raise InvalidFile if it cannot be written.
     """
     from xml.etree import ElementTree
 
@@ -50,10 +44,7 @@ def write_robot(root: Element, path: Path, inputs: list[Path]) -> None:
 def refuse_no_joint(path: Path, wanted: list[str], there: list[str], written: int) -> None:
     """Refuse a file that has none of the model's joints.
 
-    Raises
-    ------
-    InvalidFile
-        With the names of both.
+    Raise InvalidFile with the names of both.
     """
     if written == 0:
         names = ", ".join(there) or "none"

@@ -66,10 +66,7 @@ class Layout:
 def layout(path: Path, dialect: Dialect) -> Layout:
     """Return how a file is written, seen from its first lines where the dialect leaves it open.
 
-    Raises
-    ------
-    InvalidFile
-        If it holds no rows of numbers that could be seen.
+    Raise InvalidFile if it holds no rows of numbers that could be seen.
     """
     sample = 1 << 18  # bytes that show how a file is written
     with path.open("rb") as file:

@@ -36,10 +36,7 @@ if TYPE_CHECKING:
 def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> None:
     """Write variables, labels and attributes; the file appears when it is complete and replaces no input.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be written.
+    Raise InvalidFile if the file cannot be written.
     """
     from scipy.io import savemat
 
@@ -54,10 +51,7 @@ def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> N
 def load(path: str | Path) -> xr.Dataset:
     """Read the dataset that `save` wrote.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is missing or no MAT file of a linear model.
+    Raise InvalidFile if the file is missing or no MAT file of a linear model.
     """
     import xarray as xr
 
@@ -102,10 +96,7 @@ _COMPLEX = 0x0800
 def read_mat(path: str | Path) -> dict[str, Value]:
     """Read variables by name: real arrays, texts, and lists of texts; others are left out.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is missing, none of level 5, or damaged.
+    Raise InvalidFile if the file is missing, none of level 5, or damaged.
     """
     header = 128
     with reading(regular_file(path), "a MAT file"):

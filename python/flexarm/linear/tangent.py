@@ -57,10 +57,7 @@ def tangent(system: _core.System, equilibrium: _core.Equilibrium, driven: Sequen
 
     `driven` are rows of the coordinates that are prescribed.
 
-    Raises
-    ------
-    InvalidParameter
-        If driven joints are not independent, or the arm is too large.
+    Raise InvalidParameter if driven joints are not independent, or the arm is too large.
     """
     most_coordinates = 3000  # beyond, dense matrices take minutes
     if system.n_unknowns > most_coordinates:

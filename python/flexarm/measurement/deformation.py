@@ -77,10 +77,7 @@ def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
 def rigid_reference(model: Any, what: Described) -> tuple[Any, Any, Any]:
     """Return the arm with its effects, the point whose deflection is measured, and the rotation of the base.
 
-    Raises
-    ------
-    CannotMeasure
-        If the frame of the undeformed link is not known from joint angles alone.
+    Raise CannotMeasure if the frame of the undeformed link is not known from joint angles alone.
     """
     machine = machine_of(model)
     arm = as_built(machine)

@@ -87,10 +87,7 @@ class SensorEffects:
     def true(self, reading: Floats) -> Floats:
         """Return the true values of readings, eq. (1) solved by repeated substitution; NaN if lost.
 
-        Raises
-        ------
-        InvalidParameter
-            If it does not converge: an eccentricity then turns the reading back.
+        Raise InvalidParameter if it does not converge: an eccentricity then turns the reading back.
         """
         # Most repetitions of the inverse of (1); an eccentricity of half the scale takes 50.
         substitutions = 200
@@ -147,10 +144,7 @@ class SensorEffects:
 def effects_of(arm: Any, what: Placed, clock: str | None = None) -> SensorEffects:
     """Return the effects of an arm that act on a signal or sensor, which names its clock, or `clock` does.
 
-    Raises
-    ------
-    InvalidParameter
-        If one of them cannot act there, such as an encoder's on a position.
+    Raise InvalidParameter if one of them cannot act there, such as an encoder's on a position.
     """
     channels = channel_names(what.quantity, what.axes)
     effects = () if arm is None else arm.effects

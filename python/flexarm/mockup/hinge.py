@@ -45,10 +45,7 @@ class SolidHinge:
 
         Damping goes with the stiffness; a factor of a thousandth makes a part as good as rigid.
 
-        Raises
-        ------
-        InvalidParameter
-            If there is no such part, or a factor is not positive.
+        Raise InvalidParameter if there is no such part, or a factor is not positive.
         """
         for name, factor in factors.items():
             if name not in self.parts:

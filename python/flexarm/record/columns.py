@@ -111,10 +111,7 @@ class CsvFile:
     def numbers(self, columns: Sequence[str]) -> Floats:
         """Return columns as an array of shape (rows, columns), drop-outs as NaN.
 
-        Raises
-        ------
-        InvalidFile
-            With line and column of the first cell that is neither a number nor a drop-out.
+        Raise InvalidFile with line and column of the first cell that is neither a number nor a drop-out.
         """
         where = [self.header.index(column) for column in columns]
         values = self._fast(where)
@@ -141,10 +138,7 @@ class CsvFile:
     def _lines(self, block: str) -> list[str]:
         """Return the rows of a block of lines, `nan` in empty cells.
 
-        Raises
-        ------
-        ValueError
-            If a row is not as long as the header, as far as its commas tell.
+        Raise ValueError if a row is not as long as the header, as far as its commas tell.
         """
         commas = len(self.header) - 1
         block = block.removesuffix("\n")

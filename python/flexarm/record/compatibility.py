@@ -217,10 +217,7 @@ def with_link_lengths(arm: Arm, links: Mapping[str, DrawnLink]) -> Arm:
     the model's length; its curvature 2 u/L^2 is the boom's own and stays. Derivatives by u are those by the
     offset of the boom as it was drawn out; those by all other parameters mean the model's.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no such link, or it is no beam.
+    Raise InvalidParameter if there is no such link, or it is no beam.
     """
     known = {link.name: link for link in arm.links}
     for name, drawn in links.items():

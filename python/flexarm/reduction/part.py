@@ -218,10 +218,7 @@ def stiffness_proportional(stiffness: Floats, mass: Floats, damping_ratio: float
     gives the first elastic mode of the free part, of frequency omega_1, the damping ratio zeta, and a mode of
     frequency omega the ratio zeta omega/omega_1.
 
-    Raises
-    ------
-    InvalidParameter
-        If the ratio is not in [0, 1), or the part is rigid.
+    Raise InvalidParameter if the ratio is not in [0, 1), or the part is rigid.
     """
     if not 0 <= damping_ratio < 1:
         raise InvalidParameter(f"must be in [0, 1), got {damping_ratio:g}", where="damping_ratio")

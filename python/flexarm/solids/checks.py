@@ -178,10 +178,7 @@ def validate(mesh: SolidMesh) -> Iterator[Problem]:
 def refuse_implausible(mesh: SolidMesh) -> None:
     """Refuse a part whose size or mass no part of an arm has: a unit was left out.
 
-    Raises
-    ------
-    InvalidParameter
-        With size and mass, and how to insist.
+    Raise InvalidParameter with size and mass, and how to insist.
     """
     heaviest = 1e5
     size = float((mesh.box[1] - mesh.box[0]).max())

@@ -39,10 +39,7 @@ def require_backlash_derivative(
     equilibrium, one column for each. `at_rest` gives the equilibrium of another system under the same drives
     and loads. If `stiff`, the stiffness of the joint must stay, too.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no derivative at a gap of zero.
+    Raise InvalidParameter if there is no derivative at a gap of zero.
     """
     alike = 0.05  # of the width of the gap: angles that differ by less are one. A flank is half a width away
     names = [joint.name for joint in arm.joints]

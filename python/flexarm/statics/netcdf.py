@@ -73,10 +73,7 @@ def contents(found: Statics) -> Contents:
 def stored(path: str | Path) -> dict[str, Any]:
     """Return the attributes of the equilibrium that a file holds.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is not a stored equilibrium.
+    Raise InvalidFile if the file is not a stored equilibrium.
     """
     data = load(path, "statics")
     arm = model_of(data, path)

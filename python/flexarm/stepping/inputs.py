@@ -104,10 +104,7 @@ class Inputs:
 def _checked(name: str, value: Input, is_angle: bool) -> Floats:
     """Return a number that is no float, or an angle with rate and acceleration, as a row.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is neither, or not finite.
+    Raise InvalidParameter if it is neither, or not finite.
     """
     allowed = "a finite number" + (
         " or (angle, rate, acceleration)" if is_angle else " [N m, N if prismatic]"

@@ -37,10 +37,7 @@ FORMAT = "flexarm-superelement/1"
 def save(element: SuperElement, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
     """Write a super-element; the file appears when it is complete, and replaces no input.
 
-    Raises
-    ------
-    InvalidFile
-        If the file exists and `force` is not set, or cannot be written.
+    Raise InvalidFile if the file exists and `force` is not set, or cannot be written.
     """
     refuse_existing(Path(path), force, inputs)
     write(contents(element), path)
@@ -81,10 +78,7 @@ def plain(value: Any) -> Any:
 def stored(path: str | Path) -> dict[str, Any]:
     """Return the attributes of the super-element in a file.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is no super-element.
+    Raise InvalidFile if the file is no super-element.
     """
     data = read_variables(path)
     if data.attributes.get("format") != FORMAT:
@@ -157,10 +151,7 @@ class Variables:
 def read_variables(path: str | Path) -> Variables:
     """Return all variables of a file.
 
-    Raises
-    ------
-    InvalidFile
-        If it does not exist, is no NetCDF file, or is damaged.
+    Raise InvalidFile if it does not exist, is no NetCDF file, or is damaged.
     """
     with reading(regular_file(path), "NetCDF"):
         with Path(path).open("rb") as file:

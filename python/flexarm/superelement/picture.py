@@ -64,10 +64,7 @@ def picture(
 def save_picture(figure: Figure, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
     """Write the picture; its kind follows the name's ending, and no input is replaced.
 
-    Raises
-    ------
-    InvalidFile
-        If the file exists and `force` is not set, or cannot be written.
+    Raise InvalidFile if the file exists and `force` is not set, or cannot be written.
     """
     refuse_existing(Path(path), force, inputs)
     image = BytesIO()

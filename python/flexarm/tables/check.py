@@ -20,10 +20,7 @@ def check_table(
 ) -> AnyTable:
     """Return `data`, what a TOML file holds, as a `table`; file and its text are for messages.
 
-    Raises
-    ------
-    InvalidFile, InvalidParameter
-        With all problems found; InvalidParameter without a file.
+    Raise InvalidFile or InvalidParameter with all problems found; InvalidParameter without a file.
     """
     try:
         return table.model_validate(data)

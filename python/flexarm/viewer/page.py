@@ -20,10 +20,7 @@ from flexarm.viewer.solids import Skin
 def page(scene: Scene) -> str:
     """Return the page.
 
-    Raises
-    ------
-    InvalidParameter
-        If Meshcat is not installed.
+    Raise InvalidParameter if Meshcat is not installed.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup

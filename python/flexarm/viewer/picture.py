@@ -28,10 +28,7 @@ COLUMNS = 3
 def draw(of: Any, ax: Axes | None = None, **options: Any) -> Axes:
     """Draw an arm, an equilibrium or modes with Matplotlib, with the options of its method `plot`.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is nothing of these.
+    Raise InvalidParameter if it is nothing of these.
     """
     if isinstance(of, Statics):
         return _one(of_statics(of, **options), 0, ax)

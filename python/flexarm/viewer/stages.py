@@ -83,10 +83,7 @@ def of_statics(found: Statics, scale: float | None = None, meshes: Meshes | None
 def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
     """Return the mode shapes about the equilibrium, slowed so that one period takes two seconds.
 
-    Raises
-    ------
-    InvalidParameter
-        If the modes do not say where the arm stood, as those that older versions stored.
+    Raise InvalidParameter if the modes do not say where the arm stood, as those that older versions stored.
     """
     refuse_closures(found.arm, "the page of modes")
     if found.drive_angle is None:

@@ -92,10 +92,7 @@ class View:
 def view(of: Any, **options: Any) -> View:
     """Return the page of a model, a part, a result or a diagnosis, with the options of its method `view`.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is nothing of these.
+    Raise InvalidParameter if it is nothing of these.
     """
     for kind, made in _MADE.items():
         if isinstance(of, kind):

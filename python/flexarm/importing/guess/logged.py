@@ -67,10 +67,7 @@ class Logged:
 def logged(path: Path, named: str) -> list[Logged]:
     """Return the columns of numbers of a log.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, or holds no numbers.
+    Raise InvalidFile if it cannot be read, or holds no numbers.
     """
     found: list[Logged] = []
     with reading(path, "a log"):

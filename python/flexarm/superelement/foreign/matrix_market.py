@@ -27,10 +27,7 @@ BANNER = "%%MatrixMarket"
 def read_matrix_market(path: Path) -> MatrixFile:
     """Read the one matrix of a Matrix Market file.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is damaged, or its matrix not real and square.
+    Raise InvalidFile if the file is damaged, or its matrix not real and square.
     """
     numbered = enumerate(any_text(path).splitlines(), 1)
     lines = ((number, line.strip()) for number, line in numbered if line.strip())

@@ -42,10 +42,7 @@ class Chosen:
 def read_matrix_file(path: Path) -> MatrixFile:
     """Return all matrices of a file.
 
-    Raises
-    ------
-    InvalidFile
-        If it is none of the formats, or damaged.
+    Raise InvalidFile if it is none of the formats, or damaged.
     """
     regular_file(path)
     suffix = path.suffix.lower()
@@ -64,10 +61,7 @@ def read_matrix_file(path: Path) -> MatrixFile:
 def choose(stiffness: str | Path, mass: str | Path | None, damping: str | Path | None) -> Chosen:
     """Choose stiffness, mass and damping from one file or several, each FILE or FILE:NAME.
 
-    Raises
-    ------
-    InvalidFile
-        If a file has no matrix for its role, or several.
+    Raise InvalidFile if a file has no matrix for its role, or several.
     """
     file, name = _split(stiffness)
     held = read_matrix_file(file)
@@ -132,12 +126,8 @@ def _pick(file: Path, held: MatrixFile, role: str, name: str) -> Labelled:
 def read_dmig(path: Path) -> MatrixFile:
     """Read the square matrices of a bulk or punch file; symmetric ones may give one triangle.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is damaged or holds no DMIG entry.
-    InvalidParameter
-        If pyyeti is not installed.
+    Raise InvalidFile if the file is damaged or holds no DMIG entry, and InvalidParameter if pyyeti is not
+    installed.
     """
     bulk = _pyyeti("bulk", path)
     found = _read(path, "DMIG", lambda: bulk.rddmig(str(path), square=True, follow_includes=False))
@@ -159,12 +149,8 @@ def read_dmig(path: Path) -> MatrixFile:
 def read_op4(path: Path) -> MatrixFile:
     """Read the square real matrices of an OUTPUT4 file, text or binary.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is damaged or holds no matrix.
-    InvalidParameter
-        If pyyeti is not installed.
+    Raise InvalidFile if the file is damaged or holds no matrix, and InvalidParameter if pyyeti is not
+    installed.
     """
     op4 = _pyyeti("op4", path)
     found = _read(path, "OUTPUT4", lambda: op4.read(str(path), into="dct", sparse=False))
