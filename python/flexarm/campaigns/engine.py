@@ -9,9 +9,11 @@ alone, and the one under which they die again becomes a failed row.
 
 from __future__ import annotations
 
+import os
 import pickle
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -128,8 +130,6 @@ def _computed_there(name: str, task: Task) -> list[Row]:
 @contextmanager
 def _sent(client: Client, job: Job) -> Iterator[str]:
     """Send a job to all workers, those that join later too, and take it back at the end."""
-    from hashlib import sha256
-
     content = pickle.dumps(job)
     name = f"flexarm-{sha256(content).hexdigest()[:16]}"
 
@@ -202,8 +202,6 @@ CONNECT_SECONDS = 10
 
 def _local(jobs: int | None, room: Path) -> Any:
     """Return a cluster of processes of one thread each that only this machine reaches."""
-    import os
-
     with _quiet_tracker():
         return _dask().LocalCluster(
             n_workers=jobs or os.cpu_count() or 1,
@@ -222,8 +220,6 @@ def _quiet_tracker() -> Iterator[None]:
 
     `multiprocessing` starts it with the first worker, and it takes its filters from the environment.
     """
-    import os
-
     name = "PYTHONWARNINGS"
     before = os.environ.get(name)
     quiet = "ignore::UserWarning:multiprocessing.resource_tracker"

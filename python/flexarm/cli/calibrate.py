@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import flexarm
 from flexarm.cli.diagnose import HoldOut
 from flexarm.cli.options import (
     AllowOutside,
@@ -71,8 +72,6 @@ def calibrate(
     family_kinds(family or [])
 
     def fit(arm: Arm, training: dict[str, Record], held_out: Record | None, tell: Tell) -> Calibration:
-        import flexarm
-
         return flexarm.calibrate(arm, training, family or [], held_out, jobs=jobs, step=step, progress=tell)
 
     found = fitted(model, records, hold_out, out, force, fit)

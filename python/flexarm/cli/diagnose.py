@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import flexarm
 from flexarm.cli.options import AllowOutside, Force, Jobs, MaxSeconds, Model, Out, Step, refuse_step
 from flexarm.cli.progress import Tell
 from flexarm.cli.records import fitted
@@ -61,8 +62,6 @@ def diagnose(
     refuse_step(step)
 
     def fit(arm: Arm, training: dict[str, Record], held_out: Record | None, tell: Tell) -> Diagnosis:
-        import flexarm
-
         return flexarm.diagnose(
             arm,
             training,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import flexarm
 from flexarm.cli.options import AllowOutside, Force, Jobs, Json, Model, blame, load_arm, print_json, warn
 from flexarm.cli.progress import progress
 from flexarm.errors import InvalidFile
@@ -77,8 +78,6 @@ def plan(
 
 def _planned(model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: int | None) -> Plan:
     """Return the plan, which tells how far it is."""
-    import flexarm
-
     with progress() as tell, blame(model):
         found: Plan = flexarm.plan(arm, motions, jobs=jobs, progress=tell)
     return found

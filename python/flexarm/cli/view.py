@@ -10,6 +10,7 @@ import typer
 
 from flexarm.cli.options import AllowOutside, JointValues, blame, joint_values, load_arm, warn
 from flexarm.errors import InvalidFile, Problem
+from flexarm.reading import check_hdf5, reading
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
@@ -117,8 +118,6 @@ def _record(path: Path) -> Record:
 def _kind(path: Path) -> str:
     """Return "part" for a super-element, or the kind of result that a file holds."""
     import h5netcdf
-
-    from flexarm.reading import check_hdf5, reading
 
     check_hdf5(path)
     with reading(path, "NetCDF"), h5netcdf.File(path, "r") as file:

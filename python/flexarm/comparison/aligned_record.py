@@ -18,6 +18,8 @@ from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
 from flexarm.drive.from_record import true_time
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.modal import modes
+from flexarm.record import Record
 from flexarm.record.plausibility import disjoint_clocks, unknown_motion
 
 if TYPE_CHECKING:
@@ -70,8 +72,6 @@ def simulate_record(
     alpha: float = -0.05,
 ) -> AlignedRecord:
     """Simulate a record and align it; parameters and errors as of `compare`."""
-    from flexarm.record import Record
-
     if not isinstance(record, Record):
         raise InvalidParameter(
             f"must be a Record, such as Record.load gives, got {type(record).__name__}", where="record"
@@ -147,8 +147,6 @@ def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
 
 def _modes(pair: AlignedRecord) -> list[tuple[float, float]]:
     """Return modes of the arm at the middle of its motion; none if it has no equilibrium there."""
-    from flexarm.modal import modes
-
     run, arm = pair.simulated.simulation, pair.simulated.arm
     angles = np.asarray(run.drive_angle)
     middle = {

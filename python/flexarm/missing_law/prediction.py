@@ -24,7 +24,7 @@ from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.law import Law
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.states import states_of
-from flexarm.missing_law.windup import added
+from flexarm.missing_law.windup import TimeBasis, added
 
 if TYPE_CHECKING:
     from flexarm.record import Record
@@ -75,8 +75,6 @@ def _runs(
     latent: Latent, law: Law, runs: SimulationCache, name: str, number: int, policy: LawPolicy
 ) -> tuple[Any, Any]:
     """Return the runs of a record without and with a law."""
-    from flexarm.missing_law.windup import TimeBasis
-
     assert latent.response is not None
     arm, joint = latent.response.arm, latent.at
     plain = run = runs.beside(name, arm).simulation

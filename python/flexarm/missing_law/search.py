@@ -9,6 +9,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.budget import allows
+from flexarm.comparison.free_vibration import rings_freely
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
@@ -147,8 +148,6 @@ class _About:
 
     def _applies(self) -> bool:
         """Return True if all records are motions along angles of motors."""
-        from flexarm.comparison.free_vibration import rings_freely
-
         problem = self.problem
         if any(record.kind != "motion" or rings_freely(record) for record in problem.records.values()):
             return False

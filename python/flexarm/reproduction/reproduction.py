@@ -20,8 +20,9 @@ from flexarm.output import output_directory, write_file
 from flexarm.report.files import filled, style
 from flexarm.reproduction.deformed_figure import ARM_SCALE, HINGE_SCALE
 from flexarm.reproduction.oscillation import start_time
-from flexarm.reproduction.study import Report, Study
-from flexarm.reproduction.tables import deformed_instant, zoom_window
+from flexarm.reproduction.scene import scene
+from flexarm.reproduction.study import Report, Study, study
+from flexarm.reproduction.tables import deformed_instant, tables, write_csv, zoom_window
 from flexarm.simulation.progress import bar
 
 SEED = 2008
@@ -67,10 +68,7 @@ def _write(directory: Path, scratch: Path, report: Report, seed: int) -> None:
     from flexarm.record.save import write
     from flexarm.reproduction import figures
     from flexarm.reproduction.claims import claims
-    from flexarm.reproduction.scene import scene
-    from flexarm.reproduction.study import study
     from flexarm.reproduction.summary import summary
-    from flexarm.reproduction.tables import deformed_instant, tables, write_csv
 
     began = perf_counter()
     found = study(scratch, seed=seed, report=lambda done, what: report(0.7 * done, what))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -138,7 +139,5 @@ def _names(axes: Axes, scene: Scene, R: Floats, x: Floats, plane: tuple[int, int
 
 
 def _wrapped(text: str) -> str:
-    from textwrap import fill
-
     widest = 48  # line of a title, in letters
     return "\n".join(fill(line, widest) for line in text.splitlines())

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -166,8 +167,6 @@ def read_op4(path: Path) -> MatrixFile:
 
 
 def _pyyeti(module: str, path: Path) -> Any:
-    from importlib import import_module
-
     try:
         return import_module(f"pyyeti.nastran.{module}")
     except ImportError:
