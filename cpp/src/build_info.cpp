@@ -2,19 +2,17 @@
 
 #include "flexarm/build_config.hpp"
 #include "flexarm/solvers/blas_info.hpp"
-#include "flexarm/solvers/cholesky_factor.hpp"
+#include "flexarm/solvers/fill_ordering.hpp"
 
 namespace flexarm {
 namespace {
 
-using solvers::CholeskyFactor;
-
 std::string cholmod_parts() {
 #ifdef FLEXARM_HAS_CHOLMOD
-  return std::string(CholeskyFactor::has_supernodal() ? "supernodal" : "simplicial") +
-         (CholeskyFactor::has_metis() ? ", METIS or AMD" : ", AMD");
+  return std::string(solvers::has_gpl_parts() ? "supernodal" : "simplicial") +
+         (solvers::has_metis() ? ", METIS or AMD" : ", AMD");
 #else
-  return "not used, Eigen's simplicial Cholesky stands in";
+  return "not used, Eigen orders by AMD";
 #endif
 }
 
@@ -31,9 +29,9 @@ std::string licence() {
 #endif
   if (lgpl.empty()) return "BSD-3-Clause with MPL-2.0 Eigen";
   const std::string all = parts + ", LGPL-2.1+ " + lgpl;
-  if (!CholeskyFactor::has_supernodal()) return all;
-  return (CholeskyFactor::has_metis() ? "GPL-3.0+" : "GPL-2.0+") + std::string(" as a whole: ") + all +
-         ", GPL-2.0+ supernodal CHOLMOD" + (CholeskyFactor::has_metis() ? ", Apache-2.0 METIS" : "");
+  if (!solvers::has_gpl_parts()) return all;
+  return (solvers::has_metis() ? "GPL-3.0+" : "GPL-2.0+") + std::string(" as a whole: ") + all +
+         ", GPL-2.0+ supernodal CHOLMOD" + (solvers::has_metis() ? ", Apache-2.0 METIS" : "");
 }
 
 BuildInfo collect() {

@@ -40,6 +40,8 @@ std::string file_of(void* address) {
 
 }  // namespace
 
+void* blas_symbol(const std::string& name) { return symbol_of_cholmod(name.c_str()); }
+
 std::string loaded_blas() {
   using Describe = char* (*)();
   if (auto* openblas = reinterpret_cast<Describe>(symbol_of_cholmod("openblas_get_config"))) {
@@ -55,13 +57,9 @@ void survive_forks() {
   }();
 }
 
-#elif defined(FLEXARM_HAS_CHOLMOD)
-
-std::string loaded_blas() { return "unknown"; }
-void survive_forks() {}
-
 #else
 
+void* blas_symbol(const std::string&) { return nullptr; }
 std::string loaded_blas() { return "none, Eigen's own kernels"; }
 void survive_forks() {}
 

@@ -1,13 +1,16 @@
 #include "flexarm/solvers/block_lanczos.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "flexarm/dense.hpp"
 #include "flexarm/errors.hpp"
+#include "flexarm/solvers/dense_kernels.hpp"
 
 namespace flexarm::solvers {
 namespace {
@@ -26,6 +29,30 @@ constexpr double cluster_width = 1e-3;
 constexpr double nothing = 1e-13;
 // Blocks without a further converged mode before the search is given up.
 constexpr int patience = 60;
+
+// Columns whose part along those before them falls below this one by one; the others all at once.
+constexpr double nearly_dependent = 1e-4;
+// A check of (3) costs the cube of the basis: the next one waits for this part of the way that is expected.
+constexpr double part_of_way = 0.7;
+constexpr double most_growth = 0.25;
+constexpr Index cheap_check = 160;
+
+ConstPanel panel(const Eigen::Ref<const MatrixXd>& A) { return {A.data(), A.outerStride()}; }
+
+/// Aᵀ B by the loaded BLAS.
+MatrixXd inner_products(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<const MatrixXd>& B) {
+  MatrixXd C = MatrixXd::Zero(A.cols(), B.cols());
+  add_product(Transposed::yes, Transposed::no, static_cast<int>(A.cols()), static_cast<int>(B.cols()),
+              static_cast<int>(A.rows()), 1, panel(A), panel(B), {C.data(), C.rows()});
+  return C;
+}
+
+/// C := C + factor A B by the loaded BLAS.
+void add(double factor, const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<const MatrixXd>& B,
+         MatrixXd& C) {
+  add_product(Transposed::no, Transposed::no, static_cast<int>(A.rows()), static_cast<int>(B.cols()),
+              static_cast<int>(A.cols()), factor, panel(A), panel(B), {C.data(), C.rows()});
+}
 
 /// Vectors with their products with M.
 struct Block {
@@ -53,10 +80,10 @@ class Basis {
     MatrixXd C = MatrixXd::Zero(size_, block.U.cols());
     for (const Index n : {local, size_}) {
       const auto Q = Q_.middleCols(size_ - n, n);
-      const MatrixXd change = Q.transpose() * block.MU;
-      block.U.noalias() -= Q * change;
+      const MatrixXd change = inner_products(Q, block.MU);
+      if (locked_.cols() > 0) add(-1, locked_, inner_products(locked_, block.MU), block.U);
+      add(-1, Q, change, block.U);
       C.bottomRows(n) += change;
-      if (locked_.cols() > 0) block.U -= locked_ * (locked_.transpose() * block.MU);
       block.refresh(M_);
     }
     return C;
@@ -65,6 +92,40 @@ class Basis {
   /// Appends an orthonormal basis of the columns of U, U = Q_new B; columns shorter than `shortest` add none.
   /// Returns B.
   MatrixXd append(Block block, const VectorXd& shortest) {
+    auto& [V, MV] = block;
+    MatrixXd B = orthonormalise(block, shortest);
+    if (B.rows() == 0) B = orthonormalise_singly(block, shortest);
+    const Index rank = B.rows();
+    if (size_ + rank > Q_.cols()) Q_.conservativeResize(Eigen::NoChange, size_ + std::max<Index>(rank, 64));
+    Q_.middleCols(size_, rank) = V.leftCols(rank);
+    M_last_ = MV.leftCols(rank);
+    size_ += rank;
+    return B;
+  }
+
+ private:
+  /// By Cholesky factors of VᵀMV, twice [Yamamoto2015]; no rows, and nothing done, where the columns are
+  /// nearly dependent or short.
+  static MatrixXd orthonormalise(Block& block, const VectorXd& shortest) {
+    auto& [V, MV] = block;
+    const VectorXd least = shortest.cwiseMax(nearly_dependent * block.lengths());
+    const int n = static_cast<int>(V.cols());
+    MatrixXd B = MatrixXd::Identity(n, n);
+    for (int pass = 0; pass < 2; ++pass) {
+      const MatrixXd G = inner_products(V, MV);
+      const Eigen::LLT<MatrixXd> llt(0.5 * (G + G.transpose()));
+      const MatrixXd L = llt.matrixL();
+      const bool independent = llt.info() == Eigen::Success && (L.diagonal().array() > least.array()).all();
+      if (pass == 0 && !independent) return MatrixXd(0, n);
+      for (MatrixXd* X : {&V, &MV})
+        solve_right(Transposed::yes, static_cast<int>(X->rows()), n, {L.data(), n}, {X->data(), X->rows()});
+      B = L.transpose() * B;
+    }
+    return B;
+  }
+
+  /// Column by column, short ones left out.
+  static MatrixXd orthonormalise_singly(Block& block, const VectorXd& shortest) {
     auto& [V, MV] = block;
     MatrixXd B = MatrixXd::Zero(V.cols(), V.cols());
     Index rank = 0;
@@ -83,14 +144,9 @@ class Basis {
       MV.col(rank) = Mv / length;
       ++rank;
     }
-    if (size_ + rank > Q_.cols()) Q_.conservativeResize(Eigen::NoChange, size_ + std::max<Index>(rank, 48));
-    Q_.middleCols(size_, rank) = V.leftCols(rank);
-    M_last_ = MV.leftCols(rank);
-    size_ += rank;
     return B.topRows(rank);
   }
 
- private:
   const LowerTriangle& M_;
   const MatrixXd& locked_;
   MatrixXd Q_, M_last_;
@@ -126,8 +182,11 @@ class Search {
   bool exhausted() const { return last_ == 0; }
   int steps() const { return steps_; }
 
-  /// One block more, eq. (2).
-  Ritz advance() {
+  Index size() const { return basis_.size(); }
+
+  /// One block more, eq. (2); whether `ritz` was renewed, as it is from a basis of size `due` on and where
+  /// the subspace is invariant.
+  bool advance(Index due, Ritz& ritz) {
     const Index k = basis_.size(), first = k - last_;
     Block block = apply(basis_.M_last());
     const VectorXd shortest = (dependent * block.lengths()).cwiseMax(nothing * largest_);
@@ -136,16 +195,19 @@ class Search {
     H_.block(0, first, k, last_) = C;
     H_.block(first, 0, last_, k) = C.transpose();
     const MatrixXd B = basis_.append(std::move(block), shortest);
-    const Ritz ritz = solve(k, B);
+    const bool renewed = k >= due || B.rows() < block_;
+    if (renewed) ritz = solve(k, B);
     if (ritz.theta.size() > 0) largest_ = ritz.theta[0];
     before_ = last_;
     last_ = B.rows();
     if (last_ == 0) restart();  // an invariant subspace
-    return ritz;
+    return renewed;
   }
 
   MatrixXd shapes(const Ritz& ritz, Index count) const {
-    return basis_.vectors().leftCols(ritz.S.rows()) * ritz.S.leftCols(count);
+    MatrixXd X = MatrixXd::Zero(M_.rows(), count);
+    add(1, basis_.vectors().leftCols(ritz.S.rows()), ritz.S.leftCols(count), X);
+    return X;
   }
 
  private:
@@ -209,6 +271,16 @@ struct Target {
   }
 };
 
+/// Size of the basis at which (3) is looked at again, from how many of the wanted ones are converged,
+/// whatever their places.
+Index next_check(const Ritz& ritz, Index wanted, double tolerance) {
+  const Index size = ritz.S.rows();
+  if (size < cheap_check) return 0;
+  const auto good = ritz.residual.head(wanted).array() <= tolerance * ritz.theta.head(wanted).array();
+  const double left = wanted / std::max(1.0, 1.0 * good.count()) - 1;
+  return size + static_cast<Index>(std::min(most_growth, part_of_way * left) * size);
+}
+
 NotConverged no_convergence(const Ritz& ritz, Index converged, int steps) {
   const double residual = ritz.residual[converged] / ritz.theta[converged];
   return {"modes: block Lanczos has found " + std::to_string(converged) + " modes, and no more in " +
@@ -228,15 +300,17 @@ Found search(const Flexibility& flexibility, const LowerTriangle& M, const Matri
              const std::function<void(double)>& progress) {
   Search search(flexibility, M, locked, options.block, seed);
   Ritz ritz{VectorXd(0), VectorXd(0), MatrixXd(0, 0)};
-  Index converged = 0;
-  int idle = 0;
+  Index converged = 0, due = 0;
+  int last_success = 0;
   while (!search.exhausted()) {
-    ritz = search.advance();
+    if (!search.advance(due, ritz)) continue;
     if (target.reached(ritz, options.tolerance)) break;
-    idle = ritz.converged(options.tolerance) > converged ? 0 : idle + 1;
-    converged = ritz.converged(options.tolerance);
-    if (progress) progress(std::min(1.0, converged / std::max(1.0, 1.0 * target.wanted(ritz))));
-    if (idle > patience) throw no_convergence(ritz, converged, search.steps());
+    const Index before = std::exchange(converged, ritz.converged(options.tolerance));
+    if (converged > before) last_success = search.steps();
+    const Index wanted = target.wanted(ritz);
+    if (progress) progress(std::min(1.0, converged / std::max(1.0, 1.0 * wanted)));
+    if (search.steps() > last_success + patience) throw no_convergence(ritz, converged, search.steps());
+    due = next_check(ritz, wanted, options.tolerance);
   }
   const Index n = target.wanted(ritz);
   Found found{ritz.theta.head(n), search.shapes(ritz, n), 0, search.steps()};

@@ -11,6 +11,9 @@ namespace flexarm::solvers {
 /// the build calls no BLAS.
 std::string loaded_blas();
 
+/// Address of a function of that BLAS, for instance "dgemm_"; null where there is none.
+void* blas_symbol(const std::string& name);
+
 /// Lets processes that are forked from now on use CHOLMOD. OpenMP's threads do not come along into them, and
 /// its parallel regions would wait for them for ever; there they run in one thread.
 void survive_forks();

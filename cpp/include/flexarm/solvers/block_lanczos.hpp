@@ -21,7 +21,7 @@ namespace flexarm::solvers {
 struct LanczosOptions {
   int count = 0;            ///< lowest modes wanted; ignored where max_lambda is positive
   double max_lambda = 0;    ///< all modes up to this λ
-  int block = 6;            ///< p
+  int block = 8;            ///< p
   double tolerance = 1e-7;  ///< on (3), in parts of θ
   unsigned seed = 1;        ///< of the start: equal input gives equal output
 };

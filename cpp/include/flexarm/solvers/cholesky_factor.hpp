@@ -3,9 +3,8 @@
 ///
 ///     P A Pᵀ = L Lᵀ                                                                                 (1)
 ///
-/// P is the fill-reducing ordering of METIS or AMD, whichever leaves fewer entries in L. CHOLMOD [Chen2008]
-/// where the build has it: supernodal where its library has that part, simplicial otherwise. Eigen's
-/// simplicial L D Lᵀ with AMD stands in where CHOLMOD is missing.
+/// P is the fill-reducing ordering of fill_ordering.hpp; L is held in the supernodes of supernodes.hpp, dense
+/// kernels by the loaded BLAS.
 #pragma once
 
 #include <memory>
@@ -25,7 +24,7 @@ struct NotPositiveDefinite : InvalidParameter {
 
 /// How a factor came about.
 struct CholeskyReport {
-  std::string backend;       ///< "CHOLMOD supernodal", "CHOLMOD simplicial" or "Eigen simplicial"
+  std::string backend;       ///< "supernodal"
   std::string ordering;      ///< "METIS" or "AMD"
   std::string blas;          ///< as loaded_blas() tells
   double entries = 0;        ///< of L
@@ -43,14 +42,10 @@ class CholeskyFactor {
   CholeskyFactor(CholeskyFactor&&) noexcept;
   CholeskyFactor& operator=(CholeskyFactor&&) noexcept;
 
-  /// X := A⁻¹ X, in blocks of columns; the workspace is kept, so one thread at a time.
+  /// X := A⁻¹ X, in blocks of columns.
   void solve(Eigen::Ref<Eigen::MatrixXd> X) const;
 
   const CholeskyReport& report() const { return report_; }
-
-  /// Whether the library at hand can do it; both false where Eigen stands in.
-  static bool has_supernodal();
-  static bool has_metis();
 
  private:
   struct Backend;

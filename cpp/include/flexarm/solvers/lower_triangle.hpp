@@ -10,9 +10,7 @@ namespace flexarm::solvers {
 using LowerTriangle = Eigen::Ref<const Eigen::SparseMatrix<double>>;
 
 /// A X with the whole symmetric matrix A.
-inline Eigen::MatrixXd multiply(const LowerTriangle& A, const Eigen::Ref<const Eigen::MatrixXd>& X) {
-  return A.selfadjointView<Eigen::Lower>() * X;
-}
+Eigen::MatrixXd multiply(const LowerTriangle& A, const Eigen::Ref<const Eigen::MatrixXd>& X);
 
 inline Eigen::VectorXd diagonal(const LowerTriangle& A) {
   Eigen::VectorXd d = Eigen::VectorXd::Zero(A.cols());
