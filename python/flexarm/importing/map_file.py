@@ -97,58 +97,42 @@ class Dialect(Table):
 class SignalMap(Measurement):
     """A signal of a map: what `Measurement` says, and how it is read from a log.
 
-    Parameters
-    ----------
-    source : str
-        File, or directory of a ROS 2 bag, from where the map lies.
-    topic : str, optional
-        Topic of a bag, path of a variable or group, name of a sheet.
-    columns : list of str or int
-        Columns or fields of the values; numbers count from 1, `[k]` picks a row of a matrix.
-    time : str, int, list of these or table, optional
-        Column or field of the stamps, "log" for the file's own time, or `{ rate_hz = }`; of stamps that are
-        texts the columns that make one together, such as date and time of day.
-    time_unit, time_format : str, optional
-        s, ms, us or ns; of stamps that are texts their form as `datetime.strptime` takes it.
-    pose : str or int, optional
-        In a record of poses the column that names the pose; left out: each row is a pose.
-    where : dict of str to str or number, optional
-        Only rows in which columns hold these values; in a text `*` stands for any others, `?` for one.
-    unit : str or table, optional
-        Unit of the values, `{ counts_per_turn = }` or `{ torque_constant = }`; default SI.
-    before_gear : bool
-        The value is the motor's own: divided, a torque multiplied, by the joint's gear ratio.
-    scale, offset : float or list of float
-        Value becomes scale x value + offset, in `unit`; a list has one number a column.
-    sum : bool
-        The columns, each with its scale and offset, are added: of a joint that several motors or joints move.
-    noise_std : float, optional
-        1 sigma per channel of the record's signal, in SI.
-    quaternion : {"xyzw", "wxyz"}
-        Order of the columns of an orientation.
-    mount : (3,), optional
-        Roll, pitch, yaw of a sensor of three axes in the axes of its signal [rad]; columns are the sensor's
-        x, y, z then.
-    csv : Dialect, optional
-        How a text file is written, where that cannot be seen.
+    `noise_std` is that of the record's signal, 1 sigma per channel in SI.
     """
 
     source: str = Field(description="name of the file, from where the map lies", min_length=1)
+    """File, or directory of a ROS 2 bag."""
     topic: str | None = None
+    """Topic of a bag, path of a variable or group, name of a sheet."""
     columns: Columns = Field(description="names of the columns, or numbers counted from 1")
+    """Columns or fields of the values; `[k]` picks a row of a matrix."""
     time: Stamps | None = None
+    """Column or field of the stamps, "log" for the file's own time, or `{ rate_hz = }`; of stamps that
+    are texts the columns that make one together, such as date and time of day."""
     time_unit: str | None = None
     time_format: str | None = None
+    """s, ms, us or ns; of stamps that are texts their form as `datetime.strptime` takes it."""
     pose: Column | None = None
+    """In a record of poses the column that names the pose; left out: each row is a pose."""
     where: dict[str, str | Number] = Field(default_factory=dict)
+    """Only rows in which columns hold these values; in a text `*` stands for any others, `?` for one."""
     unit: Unit | None = None  # type: ignore[assignment]
+    """Unit of the values, `{ counts_per_turn = }` or `{ torque_constant = }`; default SI."""
     before_gear: bool = False
+    """The value is the motor's own: divided, a torque multiplied, by the joint's gear ratio."""
     scale: Numbers = (1.0,)
     offset: Numbers = (0.0,)
+    """Value becomes scale x value + offset, in `unit`; a list has one number a column."""
     sum: bool = False
+    """The columns, each with its scale and offset, are added: of a joint that several motors or joints
+    move."""
     quaternion: Literal["xyzw", "wxyz"] = "xyzw"
+    """Order of the columns of an orientation."""
     mount: Vector3 | None = value_in("rad", "roll, pitch, yaw of the sensor", None)
+    """Roll, pitch, yaw of a sensor of three axes in the axes of its signal; columns are the sensor's x,
+    y, z then."""
     csv: Dialect = Dialect()
+    """How a text file is written, where that cannot be seen."""
 
     def _problems(self) -> list[tuple[tuple[str, ...], str]]:
         return [*super()._problems(), *self._column_problems(), *self._conversion_problems()]
