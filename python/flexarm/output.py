@@ -228,10 +228,7 @@ def _note(target: Path) -> None:
 class _Claim:
     """A place that no other process writes to, and a hidden directory of which nothing is left at the end.
 
-    Attributes
-    ----------
-    partial : Path
-        What is written, in the hidden directory.
+    What is written lies in that directory at `partial`.
     """
 
     def __init__(self, target: Path) -> None:

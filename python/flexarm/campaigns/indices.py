@@ -34,14 +34,9 @@ RESAMPLES, MOST_RESAMPLED = 200, 4096
 
 @dataclass(frozen=True)
 class Indices:
-    """Indices of one result, an entry for each parameter.
+    """Indices of one result, an entry for each parameter: first order and total, with ends of 90 % intervals.
 
-    Attributes
-    ----------
-    first, total : ndarray, shape (d,)
-        First-order and total index; total NaN where the samples do not tell it.
-    first90, total90 : ndarray, shape (d, 2)
-        Ends of their 90 % intervals.
+    Shapes are (d,) and (d, 2); the total is NaN where the samples do not tell it.
     """
 
     first: Floats
@@ -65,13 +60,7 @@ def from_samples(x: Floats, y: Floats, seed: int = 0) -> Indices | None:
 
 
 class SeriesIndices:
-    """First-order indices (1) of a series, gathered piece by piece.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n, d)
-        Samples of the parameters.
-    """
+    """First-order indices (1) of a series, gathered piece by piece, of samples x of parameters, (n, d)."""
 
     def __init__(self, x: Floats) -> None:
         self._bases = [_basis(column) for column in x.T]

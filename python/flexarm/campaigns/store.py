@@ -38,12 +38,7 @@ class Part(NamedTuple):
 class Store:
     """Rows of a campaign on disk.
 
-    Parameters
-    ----------
-    directory : Path
-        Of the campaign.
-    room : Path
-        A directory on the same file system, in which files are written before they appear.
+    `room` is a directory on the same file system, in which files are written before they appear.
     """
 
     def __init__(self, directory: Path, room: Path) -> None:

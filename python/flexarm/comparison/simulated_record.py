@@ -30,16 +30,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Placement:
-    """Hold clocks and frames of a record, as stated or as aligned.
+    """Clocks of a record against that of its drive, whose time is the simulation's, and its frames.
 
-    Attributes
-    ----------
-    clocks : dict of str to ClockError
-        Against the clock of the drive, whose time is the simulation's.
-    frames : dict of str to Registration
-        Where the frames of measurement are.
-
-    Effects of the model on clocks and frames are not in it; they come on top.
+    They are as stated or as aligned. Effects of the model on clocks and frames come on top.
     """
 
     clocks: Mapping[str, ClockError] = field(default_factory=dict)

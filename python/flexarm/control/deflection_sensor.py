@@ -60,19 +60,9 @@ class _Line:
 
 
 class DeflectionSensor:
-    """A sensor of deflection with one axis.
+    """A sensor of deflection with one axis, in a model with its effects.
 
-    Parameters
-    ----------
-    model : Arm
-        The model, with its effects.
-    sensor : Sensor
-        Names the point and the axis.
-
-    Raises
-    ------
-    CannotMeasure
-        If the frame of the undeformed link is not known from joint angles alone.
+    Raise CannotMeasure if the frame of the undeformed link is not known from joint angles alone.
     """
 
     def __init__(self, model: Any, sensor: Any) -> None:

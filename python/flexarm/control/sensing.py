@@ -35,15 +35,7 @@ from flexarm.measurement.encoder import quantised
 
 
 class Sensing:
-    """The readings of one controller.
-
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    controller : Controller
-        Names joint and deflection sensor.
-    """
+    """The readings of one controller, which names joint and deflection sensor of the arm."""
 
     def __init__(self, arm: Arm, controller: Controller) -> None:
         self._arm = arm
@@ -99,16 +91,8 @@ class Sensing:
 class DifferentiatedSensing(Sensing):
     """The readings of one controller with their derivatives, eq. (2).
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    controller : Controller
-        Names joint and deflection sensor.
-    perturbed : sequence of (Arm, Arm)
-        For each parameter the model with a little more and a little less of it.
-    spreads : sequence of float
-        By how much the two values of each parameter differ.
+    For each parameter `perturbed` has the model with a little more and a little less of it, and `spreads` by
+    how much its two values differ.
     """
 
     def __init__(

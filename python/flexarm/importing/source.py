@@ -91,16 +91,9 @@ class Group:
 
 
 class Source(ABC):
-    """One log.
+    """One log: a file, or the directory of a bag.
 
-    Parameters
-    ----------
-    path : Path
-        The file, or the directory of a bag.
-    dialect : Dialect
-        How a text file is written.
-    requests : sequence of Request
-        All that will be asked for, so that a format can read it in one go.
+    `requests` are all that will be asked for, so that a format can read it in one go.
     """
 
     def __init__(self, path: Path, dialect: Dialect, requests: Sequence[Request]) -> None:

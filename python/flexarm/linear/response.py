@@ -25,15 +25,10 @@ from flexarm.arrays import Floats
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Equation (1).
+    """Equation (1): A (states, states), C (outputs, states), and factors of the inputs and two derivatives.
 
-    Attributes
-    ----------
-    A, C : ndarray, shapes (states, states) and (outputs, states)
-    B, D : ndarray, shapes (3, states, inputs) and (3, outputs, inputs)
-        Factors of the inputs and of their first two derivatives.
-    size : ndarray, shape (3, outputs, inputs)
-        Sum of the sizes of the summands of D.
+    B and D have the shapes (3, states, inputs) and (3, outputs, inputs); `size` is the sum of the sizes of
+    the summands of D.
     """
 
     A: Floats

@@ -27,19 +27,9 @@ _BLOCK = 1 << 20
 
 
 class CsvFile:
-    """A CSV file whose columns are read on demand.
+    """A CSV file whose columns are read on demand; messages call it `named`.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    named : str or Path, optional
-        The file as messages name it.
-
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, has no header or no rows.
+    Raise InvalidFile if it cannot be read, has no header or no rows.
     """
 
     def __init__(self, path: Path, named: str | Path | None = None) -> None:

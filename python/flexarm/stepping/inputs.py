@@ -24,19 +24,9 @@ _KINDS = {
 
 
 class Inputs:
-    """Turns what the user tells joints by name into rows for the core.
+    """Turns what the user tells joints by name, as `Stepper` takes it, into rows for the core.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    told : dict of str to str
-        As `Stepper` takes it.
-
-    Raises
-    ------
-    InvalidParameter
-        If a joint does not exist or cannot be told that.
+    Raise InvalidParameter if a joint does not exist or cannot be told that.
     """
 
     def __init__(self, arm: Arm, told: Mapping[str, str]) -> None:

@@ -34,13 +34,7 @@ HEIGHT = 620
 
 
 class View:
-    """One page in three dimensions, which shows itself in a notebook.
-
-    Attributes
-    ----------
-    scene : Scene
-        What it shows.
-    """
+    """A scene as one page in three dimensions, which shows itself in a notebook."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
