@@ -118,6 +118,28 @@ def test_modes_play_about_the_equilibrium_of_their_pose():
     )
 
 
+def test_what_turns_in_a_mode_keeps_its_shape():
+    """A wrist's mode turns a hand far before its load moves far: the load stays at its distance, to second
+    order of the turn, sqrt(1 + 0.4^2) - 1 = 8 %.
+    """
+    arm = Arm.from_dict(
+        {
+            "joints": [
+                hinge("shoulder", "boom"),
+                {**hinge("wrist", "hand", "boom", at="end"), "axis": [0, 0, 1]},
+            ],
+            "links": [beam("boom", [0, 0, 4.0], TUBE), rigid("hand", 5.0, [0, 0, 0.1], [0.1, 0.1, 0.1])],
+            "points": [point("wrist", "hand", [0, 0, 0]), point("load", "hand", [0.25, 0, 0.3])],
+            "payloads": [{"name": "load", "link": "hand", "position": [0.25, 0, 0.3], "mass": 20.0}],
+            "effects": [{"name": "joint_compliance", "at": "wrist", "stiffness": 3e4}],
+        }
+    )
+    scene, bones = of_modes(flexarm.modes(arm, count=6)), Skeleton(arm).points
+    for clip in scene.clips:
+        away = np.linalg.norm(clip.poses.x[:, bones["load"]] - clip.poses.x[:, bones["wrist"]], axis=1)
+        assert away == pytest.approx(away[0], rel=0.08), clip.text
+
+
 def test_measured_points_stand_off_by_the_gap(tmp_path, run):
     from flexarm.measurement import measure
     from flexarm.record import Signal

@@ -14,6 +14,7 @@ from flexarm.cli.options import (
     Force,
     Jobs,
     Json,
+    MaxSeconds,
     Model,
     Out,
     Step,
@@ -45,6 +46,7 @@ def calibrate(
     hold_out: HoldOut = None,
     jobs: Jobs = None,
     step: Step = 2e-3,
+    max_seconds: MaxSeconds = None,
     json: Json = False,
     force: Force = False,
     allow_outside: AllowOutside = False,
@@ -54,7 +56,7 @@ def calibrate(
     Fits every value with an [uncertainty] in the model, clocks and frames of the records, and each family:
     one effect at all places where it can act, first with one shared size, then one each. Members that the
     data hardly know stay near the shared size. Unlike diagnose it chooses nothing, and it also fits where a
-    gap stays: intervals then widen by what is left.
+    gap stays: intervals then widen by what is left. With --max-seconds it ends with what it has.
 
         flexarm calibrate arm.toml poses --family joint_compliance --out calibrated
         flexarm calibrate arm.toml poses --family encoder_offset --hold-out other_poses --out calibrated
@@ -72,7 +74,16 @@ def calibrate(
     family_kinds(family or [])
 
     def fit(arm: Arm, training: dict[str, Record], held_out: Record | None, tell: Tell) -> Calibration:
-        return flexarm.calibrate(arm, training, family or [], held_out, jobs=jobs, step=step, progress=tell)
+        return flexarm.calibrate(
+            arm,
+            training,
+            family or [],
+            held_out,
+            jobs=jobs,
+            step=step,
+            max_seconds=max_seconds,
+            progress=tell,
+        )
 
     found = fitted(model, records, hold_out, out, force, fit)
     if json:

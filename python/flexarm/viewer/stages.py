@@ -100,7 +100,9 @@ def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
     words = told(bodies, rest, shapes.shape[:, skeleton.chosen])
     for i, frequency in enumerate(found.frequency_hz):
         shape = shapes.shape[i, skeleton.chosen]
-        amplitude = STYLE.shown_mode * size / max(_farthest(shape[None, :, :3]), np.finfo(float).tiny)
+        least = np.finfo(float).tiny
+        amplitude = STYLE.shown_mode * size / max(_farthest(shape[:, :3]), least)
+        amplitude = min(amplitude, STYLE.most_turned / max(_farthest(shape[:, 3:]), least))
         phase = 2 * np.pi * np.arange(STYLE.mode_frames) / STYLE.mode_frames
         swing = amplitude * np.sin(phase)[:, None, None]
         poses = Poses(np.repeat(rest.R, len(phase), axis=0), np.repeat(rest.x, len(phase), axis=0))
