@@ -118,22 +118,8 @@ class _Importer:
             for name, second in origin.items()
             if second
         ]
-        t = self.table
-        return Record(
-            signals={signal.name: signal for signal in signals},
-            drive=t.drive,
-            description=t.description,
-            kind=t.kind,
-            initial=t.initial,
-            joints=t.joints,
-            payloads=t.payloads,
-            controllers=t.controllers,
-            links=t.links,
-            clocks=clocks,
-            frames=t.frames,
-            base=t.base,
-            notes=tuple(notes),
-        )
+        by_name = {signal.name: signal for signal in signals}
+        return Record(**{**self.table.stated(), "signals": by_name, "clocks": clocks, "notes": tuple(notes)})
 
     @contextmanager
     def _blamed(self, index: int) -> Iterator[None]:
