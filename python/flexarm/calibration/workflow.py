@@ -37,6 +37,7 @@ from flexarm.diagnosis.verification import Bench, main_signal
 from flexarm.diagnosis.zeros import with_zeros
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
+from flexarm.named_effects import NORMAL_90
 from flexarm.validation.sensor_check import clean_records, named_records
 from flexarm.wording import listed
 
@@ -44,9 +45,6 @@ if TYPE_CHECKING:
     from flexarm.record import Record
 
 Progress = Callable[[float, str], object] | None
-
-NORMAL90 = 1.6448536269514722
-"""Half of a 90 % interval over 1 sigma."""
 
 
 @takes(arm=ARM, records=RECORDS, families=NAMES, hold_out=RECORD, jobs=JOBS, step=NUMBER, alpha=NUMBER)
@@ -200,7 +198,7 @@ def _parameter(posterior: Posterior, k: int) -> CalibratedParameter:
 
 
 def _range(free: FreeParameter, u: float, sigma: float) -> Range:
-    low, high = (free.value(u + sign * NORMAL90 * sigma) for sign in (-1, 1))
+    low, high = (free.value(u + sign * NORMAL_90 * sigma) for sign in (-1, 1))
     return Range(free.value(u), low, high)
 
 
@@ -214,7 +212,7 @@ def _family(posterior: Posterior, family: Family) -> CalibratedFamily:
         weight = n / family.spread**2 + 1 / family.hyperprior[1] ** 2
         mean = np.full(n, 1 / family.spread**2 / weight)
         sigma = float(np.sqrt(1 / weight + mean @ posterior.covariance[np.ix_(columns, columns)] @ mean))
-        shared = Range(exp(mu), exp(mu - NORMAL90 * sigma), exp(mu + NORMAL90 * sigma))
+        shared = Range(exp(mu), exp(mu - NORMAL_90 * sigma), exp(mu + NORMAL_90 * sigma))
     return CalibratedFamily(
         family.effect, family.parameter, family.prior.unit, family.places, shared, family.spread
     )

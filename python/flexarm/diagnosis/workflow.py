@@ -51,7 +51,7 @@ from flexarm.diagnosis.uncertainty import Estimates, estimates
 from flexarm.diagnosis.verification import Bench, main_signal, verified
 from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
 from flexarm.missing_law.check import LawCheck
-from flexarm.missing_law.search import MissingLaws, missing_laws, replaced_effects
+from flexarm.missing_law.search import MissingLaws, law_remarks, missing_laws
 from flexarm.named_effects import NamedEffect
 from flexarm.threads import one_blas_thread
 from flexarm.validation.finding import ValidationResult
@@ -239,7 +239,7 @@ def _diagnosis(
             *(discretisation_remarks(problem) if choice.best.non_smooth else ()),
             *swings(choice.best, problem),
             *seen.remarks,
-            *replaced_effects(missing, choice.best),
+            *law_remarks(missing, choice.best),
             *current().remarks,
         ),
         next_experiment=further.sentence,
@@ -282,7 +282,7 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     ends = bound_sentence(choice.best)
     unexplained = open_gap or bool(ends)
     effects = (
-        *(encoder.named() for encoder in coarse),
+        *(encoder.named(problem.policy.most_certain) for encoder in coarse),
         *named_effects(choice, sizes, drifts, unexplained, problem, coarse=bool(coarse)),
     )
     keep = not unexplained or worth_keeping(choice, problem)

@@ -20,11 +20,12 @@ from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.simulation_cache import SimulationCache
 from flexarm.law_curve import LawGap
+from flexarm.missing_law.basis import TimeBasis
 from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.law import Law
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.states import states_of
-from flexarm.missing_law.windup import TimeBasis, added
+from flexarm.missing_law.windup import added
 
 if TYPE_CHECKING:
     from flexarm.record import Record
@@ -79,9 +80,7 @@ def _runs(
     arm, joint = latent.response.arm, latent.at
     plain = run = runs.beside(name, arm).simulation
     drive = runs.drive(name, runs.records[name].applied_to(arm)).joints[joint]
-    count = max(int((run.time[-1] - run.time[0]) / np.diff(latent.bases[0].places).max()), 4)
-    edges = np.linspace(run.time[0], run.time[-1], count + 1)
-    basis = TimeBasis(np.concatenate([[edges[0]] * 3, edges, [edges[-1]] * 3]))
+    basis = TimeBasis.over(float(run.time[0]), float(run.time[-1]), policy)
     fine = basis.fine(policy)
     window = max(int(policy.window / float(np.median(np.diff(run.time)))), 1)
     for _ in range(policy.rounds):
