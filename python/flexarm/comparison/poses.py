@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, neighbours, parameters
 from flexarm.arm.sensor_effect import SignalEffect
 from flexarm.arrays import Floats
@@ -21,14 +21,11 @@ from flexarm.comparison.pose_sequence import SEEN, PoseSequence, sequence, slope
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
+from flexarm.record import Record, Signal
 from flexarm.record.compatibility import with_payload_masses
 from flexarm.record.plausibility import INPUTS
 from flexarm.sensitivity import Sensitivities, entry_of
 from flexarm.statics.batch import DriveVariation, StaticsBatch, StaticSolution
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Record, Signal
 
 FORCES = ("motor_torque", "motor_voltage", "force", "strain")
 """Quantities that see torques and forces."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +22,8 @@ from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.outliers import expected_outliers
 from flexarm.measurement.predict import in_base, in_frame
 from flexarm.measurement.sampling import CannotMeasure, columns
+from flexarm.record import Record, Signal
 from flexarm.record.plausibility import disjoint_signals
-
-if TYPE_CHECKING:
-    from flexarm.record import Record, Signal
 
 
 @dataclass(frozen=True)

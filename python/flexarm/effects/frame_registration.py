@@ -7,14 +7,12 @@ R of a rotation vector, about the base's origin, in the base's axes; a stated po
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ZERO, FrameEffect, Vector
 from flexarm.tables import Vector3, value_in
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
 
 
 class FrameRegistration(FrameEffect):

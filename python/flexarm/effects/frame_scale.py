@@ -7,14 +7,12 @@ for positions in the frame's own axes, from its own origin. Orientations stay as
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ZERO, FrameEffect, Vector
 from flexarm.tables import Number, value_in
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
 
 
 class FrameScale(FrameEffect):

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,11 +16,9 @@ from flexarm.arguments import COUNT, FLAG, MESH, NAMED, NUMBER, POSITIVE, TEXT, 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.reduction.interface_set import InterfaceSet, refuse_shared
+from flexarm.solids import SolidMesh
 from flexarm.solids.checks import refuse_implausible
 from flexarm.superelement import SuperElement
-
-if TYPE_CHECKING:
-    from flexarm.solids import SolidMesh
 
 _core: Any = _typed_core
 

@@ -19,35 +19,26 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.importing.guess.motion import Track, agreement, rigid_track
 
-COARSE = 400
-"""Instants on which a lag is sought."""
-NARROWER = 5
-"""Times that the steps about the best lag are made three times smaller."""
-
 
 @dataclass(frozen=True)
 class Registration:
-    """What the best lag and rigid motion leave between a measured point and the model's.
-
-    Attributes
-    ----------
-    rms : float
-        After both [m], (1).
-    shifted : float
-        After the lag and a shift alone, the axes being parallel [m].
-    """
+    """What the best lag and rigid motion leave between a measured point and the model's."""
 
     rms: float
+    """After both [m], (1)."""
     shifted: float
+    """After the lag and a shift alone, the axes being parallel [m]."""
 
 
 def registration(arm: Arm, point: str, joints: Mapping[str, Track], measured: Track) -> Registration:
     """Return how near a point of the rigid arm along its joints comes to a measured one of three axes."""
-    predicted = rigid_track(arm, point, joints, range(3), COARSE)
-    lag = agreement(measured, predicted, COARSE).lag
-    step = max(measured.time[-1], predicted.time[-1]) / COARSE
+    narrower = 5  # times that the steps about the best lag are made three times smaller
+    coarse = 400  # instants on which a lag is sought
+    predicted = rigid_track(arm, point, joints, range(3), coarse)
+    lag = agreement(measured, predicted, coarse).lag
+    step = max(measured.time[-1], predicted.time[-1]) / coarse
     best = _left(measured, predicted, lag)
-    for _ in range(NARROWER):
+    for _ in range(narrower):
         for tried in (lag - step, lag + step):
             found = _left(measured, predicted, tried)
             if found.rms < best.rms:

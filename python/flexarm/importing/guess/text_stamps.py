@@ -16,8 +16,6 @@ DATES = ("%m/%d/%Y", "%d/%m/%Y", "%d.%m.%Y", "%Y-%m-%d", "%Y/%m/%d")
 TIMES = ("%H:%M:%S.%f", "%H:%M:%S", "%I:%M:%S.%f %p", "%I:%M:%S %p")
 FORMS = (*(f"{date} {time}" for date in DATES for time in TIMES), *TIMES)
 """Forms of stamps, those with a date first; month before day, as SpatialAnalyzer writes them, goes first."""
-TRIED = 50
-"""Stamps that must have a form, spread over the rows, before all are read."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,8 @@ def text_stamps(columns: Sequence[str | int], texts: Sequence[Sequence[str]]) ->
 
 def _reads(rows: Sequence[str], form: str) -> bool:
     """Return True if all rows have a form; a sample of them is looked at first."""
-    sample = [rows[k] for k in np.linspace(0, len(rows) - 1, TRIED).astype(int)] if len(rows) else [""]
+    tried = 50  # stamps that must have a form, spread over the rows, before all are read
+    sample = [rows[k] for k in np.linspace(0, len(rows) - 1, tried).astype(int)] if len(rows) else [""]
     with suppress(ValueError):
         for row in (*sample, *rows):
             _seconds(row, form)
