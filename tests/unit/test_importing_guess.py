@@ -368,3 +368,10 @@ def test_a_date_that_reads_two_ways_says_so():
     assert found is not None and found.columns == ("d", "t")
     assert found.unknown == "which of %d/%m/%Y and %m/%d/%Y the date is"
     assert text_stamps([1], [["p1", "p2"]]) is None
+
+
+def test_half_of_the_day_may_stand_in_a_column_of_its_own():
+    names = ["p9", "p10"]
+    found = text_stamps([1, 5, 6, 7], [names, ["9/14/2026"] * 2, ["11:59:59", "12:00:00"], ["AM", "PM"]])
+    assert found is not None and (found.columns, found.form) == ((5, 6, 7), "%m/%d/%Y %I:%M:%S %p")
+    assert np.diff(found.seconds).tolist() == [1.0]
