@@ -19,26 +19,38 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.importing.guess.motion import Track, agreement, rigid_track
 
+COARSE = 400
+"""Instants on which a lag is sought."""
+NARROWER = 5
+"""Times that the steps about the best lag are made three times smaller."""
+
 
 @dataclass(frozen=True)
 class Registration:
-    """What the best lag and rigid motion leave between a measured point and the model's."""
+    """What the best lag and rigid motion leave between a measured point and the model's.
+
+    Attributes
+    ----------
+    rms : float
+        After both [m], (1).
+    shifted : float
+        After the lag and a shift alone, the axes being parallel [m].
+    mirrored : float
+        After both and a reflection, as with two of the columns exchanged [m].
+    """
 
     rms: float
-    """After both [m], (1)."""
     shifted: float
-    """After the lag and a shift alone, the axes being parallel [m]."""
+    mirrored: float
 
 
 def registration(arm: Arm, point: str, joints: Mapping[str, Track], measured: Track) -> Registration:
     """Return how near a point of the rigid arm along its joints comes to a measured one of three axes."""
-    narrower = 5  # times that the steps about the best lag are made three times smaller
-    coarse = 400  # instants on which a lag is sought
-    predicted = rigid_track(arm, point, joints, range(3), coarse)
-    lag = agreement(measured, predicted, coarse).lag
-    step = max(measured.time[-1], predicted.time[-1]) / coarse
+    predicted = rigid_track(arm, point, joints, range(3), COARSE)
+    lag = agreement(measured, predicted, COARSE).lag
+    step = max(measured.time[-1], predicted.time[-1]) / COARSE
     best = _left(measured, predicted, lag)
-    for _ in range(narrower):
+    for _ in range(NARROWER):
         for tried in (lag - step, lag + step):
             found = _left(measured, predicted, tried)
             if found.rms < best.rms:
@@ -51,13 +63,15 @@ def _left(measured: Track, predicted: Track, lag: float) -> Registration:
     at = measured.time - lag
     inside = (at >= predicted.time[0]) & (at <= predicted.time[-1])
     if inside.sum() < 8:
-        return Registration(np.inf, np.inf)
+        return Registration(np.inf, np.inf, np.inf)
     y, x = _centred(measured.values[inside]), _centred(predicted.at(at[inside]))
     shifted = float(np.sqrt(np.mean(np.sum((y - x) ** 2, axis=1))))
     u, sizes, v = np.linalg.svd(y.T @ x / len(y))
-    sizes[2] *= np.sign(np.linalg.det(u @ v)) or 1.0
-    spread = float(np.mean(np.sum(y**2 + x**2, axis=1)) - 2 * sizes.sum())  # eq. (1)
-    return Registration(float(np.sqrt(max(spread, 0.0))), shifted)
+    sign, both = np.sign(np.linalg.det(u @ v)), float(np.mean(np.sum(y**2 + x**2, axis=1)))
+    proper, mirrored = (
+        float(np.sqrt(max(both - 2 * (sizes[0] + sizes[1] + s * sizes[2]), 0.0))) for s in (sign, -sign)
+    )  # eq. (1)
+    return Registration(proper, shifted, mirrored)
 
 
 def _centred(values: Floats) -> Floats:
