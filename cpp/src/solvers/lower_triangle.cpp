@@ -47,6 +47,7 @@ MatrixXd multiply(const LowerTriangle& A, const Eigen::Ref<const MatrixXd>& X) {
   };
   Index k = 0;
   while (X.cols() - k >= together) k = block(std::integral_constant<int, together>(), k);
+  while (X.cols() - k >= 8) k = block(std::integral_constant<int, 8>(), k);
   while (X.cols() - k >= 4) k = block(std::integral_constant<int, 4>(), k);
   while (X.cols() - k >= 1) k = block(std::integral_constant<int, 1>(), k);
   return Y;
