@@ -1,21 +1,14 @@
 #include "flexarm/solvers/panel_solve.hpp"
 
+#include "flexarm/solvers/wide_rows.hpp"
+
 namespace flexarm::solvers {
 namespace {
 
 using Index = std::ptrdiff_t;
 
-typedef double Four __attribute__((vector_size(4 * sizeof(double))));
-typedef Four FourInPlace __attribute__((aligned(sizeof(double)), may_alias));  // wherever doubles lie
-
 // Columns of L that are read together.
 constexpr int together = 4;
-
-/// Row k of Y: the right-hand sides of one unknown, in V vectors of four.
-template <int V>
-[[gnu::always_inline]] inline FourInPlace* row(double* Y, Index k) {
-  return reinterpret_cast<FourInPlace*>(Y + 4 * V * k);
-}
 
 /// Y_i −= Σ_j L_ij Y_j over K columns j from `first`, for the rows i from `begin` up to `end`.
 template <int V, int K>
@@ -95,40 +88,14 @@ struct Backward {
   }
 };
 
-template <class Work>
-[[gnu::always_inline]] inline void by_width(int width, Index n, Index height, ConstPanel L, double* Y) {
-  if (width == 16) return Work::template run<4>(n, height, L, Y);
-  if (width == 8) return Work::template run<2>(n, height, L, Y);
-  Work::template run<1>(n, height, L, Y);
-}
-
-#if defined(__x86_64__) && defined(__GNUC__)
-template <class Work>
-[[gnu::target("avx2,fma")]] void by_wide_vectors(int width, Index n, Index height, ConstPanel L, double* Y) {
-  by_width<Work>(width, n, height, L, Y);
-}
-#endif
-
-/// With vectors of four where the processor has them, of two elsewhere.
-template <class Work>
-void solve(int width, Index n, Index height, ConstPanel L, double* Y) {
-#if defined(__x86_64__) && defined(__GNUC__)
-  static const bool wide = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  if (wide) return by_wide_vectors<Work>(width, n, height, L, Y);
-#endif
-  by_width<Work>(width, n, height, L, Y);
-}
-
 }  // namespace
 
-int solved_together(int columns) { return columns > 8 ? 16 : columns > 4 ? 8 : 4; }
-
 void solve_forward(int width, int n, int height, ConstPanel L, double* Y) {
-  solve<Forward>(width, n, height, L, Y);
+  in_wide_rows<Forward>(width, n, height, L, Y);
 }
 
 void solve_backward(int width, int n, int height, ConstPanel L, double* Y) {
-  solve<Backward>(width, n, height, L, Y);
+  in_wide_rows<Backward>(width, n, height, L, Y);
 }
 
 }  // namespace flexarm::solvers

@@ -8,6 +8,7 @@
 #include "flexarm/interrupt.hpp"
 #include "flexarm/solvers/dense_kernels.hpp"
 #include "flexarm/solvers/panel_solve.hpp"
+#include "flexarm/solvers/wide_rows.hpp"
 
 namespace flexarm::solvers {
 namespace {
@@ -195,7 +196,7 @@ void SupernodalFactor::scatter(const LowerTriangle& A) {
 
 void SupernodalFactor::solve(Eigen::Ref<Eigen::MatrixXd> X) const {
   for (Index k = 0, p; k < X.cols(); k += p) {
-    const int left = static_cast<int>(X.cols() - k), width = solved_together(left);
+    const int left = static_cast<int>(X.cols() - k), width = width_of(left);
     p = std::min(width, left);
     solve_together(X.middleCols(k, p), width);
   }

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "flexarm/solvers/wide_rows.hpp"
 #include "numerics.hpp"
 
 using namespace flexarm::tests;
@@ -53,9 +54,9 @@ TEST_CASE("Solutions with a supernode's columns are those of its dense matrix") 
 
 TEST_CASE("Few right sides are held in the narrowest width that takes them") {
   for (int columns = 1; columns <= 16; ++columns) {
-    const int width = solved_together(columns);
+    const int width = width_of(columns);
     CHECK(width >= columns);
     CHECK((width == 4 || width / 2 < columns));
   }
-  CHECK(solved_together(40) == 16);
+  CHECK(width_of(40) == 16);
 }

@@ -13,9 +13,6 @@
 
 namespace flexarm::solvers {
 
-/// Right-hand sides that are solved together: `columns` or fewer are held in as many of 4, 8 or 16.
-int solved_together(int columns);
-
 /// Eq. (1). Y holds `width` = 4, 8 or 16 right-hand sides as rows of its `height` columns, one after the
 /// other; L has `height` rows and n columns.
 void solve_forward(int width, int n, int height, ConstPanel L, double* Y);
