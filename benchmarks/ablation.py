@@ -5,22 +5,33 @@
 
 Every field of `flexarm.SelectionPolicy` is halved and doubled, and every move is left out. Each case of the
 blind test is diagnosed by each of these policies in a process of its own with one thread. Answers are kept
-under --out, one file a policy and case; what is there is not computed again. The table, `ablation.md`, counts
-the cases of which verdict or names differ from those of the default, and those without an answer, which
-are kept nowhere and tried again by the next run.
+under --out, one file a policy and case; what is there is not computed again. Where a move did nothing in the
+search of the default policy, the answer without it is that of the default, and not computed.
+
+The table, `ablation.md`, counts the cases in which a change could act, of which verdict or names differ
+from those of the default, and which name exactly what was hidden, before and after; the median CPU seconds
+of both where it acted; and the cases without an answer, which are kept nowhere and tried again by the next
+run.
 """
 
 import argparse
 import json
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
+from statistics import median
 
 from blind import case_of
 from blind_plan import COUNTS, KINDS, Spec, planned
+from blind_table import Outcome, same
 
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES
+from flexarm.diagnosis.moves.search_state import Move
 from flexarm.diagnosis.policy import MOVES, SelectionPolicy
 
 DEFAULT = ("default", {})
@@ -46,22 +57,78 @@ def variants(only: list[str]) -> list[tuple[str, dict]]:
     return [DEFAULT, *wanted]
 
 
+class Recorded(SelectionPolicy):
+    """A policy that adds the moves that a search makes to `ACTED`: those it asks for before they act."""
+
+    def allows(self, move: str) -> bool:
+        """Return True if a step of the search is on."""
+        allowed = super().allows(move)
+        if allowed and move not in PROPOSING:
+            ACTED.add(move)
+        return allowed
+
+
+ACTED: set[str] = set()
+"""Moves that acted in the diagnosis of this process."""
+PROPOSING = {name for table in (FORWARD, SETS, ELSEWHERE, SHAPES) for name in table}
+"""Moves that are always asked for; they act if they propose a model."""
+
+
+def record_proposals() -> None:
+    """Let moves that propose models add themselves to `ACTED`."""
+
+    def recorded(name: str, move: Move) -> Move:
+        def proposed(*about) -> list[Fit]:
+            found = move(*about)
+            if found:
+                ACTED.add(name)
+            return found
+
+        return proposed
+
+    for table in (FORWARD, CONFLICT, SETS, ELSEWHERE, SHAPES):
+        table.update({name: recorded(name, move) for name, move in table.items()})
+
+
 def diagnosed(spec: Spec, changes: dict, cases: Path, kept: Path) -> None:
-    """Write verdict and names of a case by the policy with some changes."""
+    """Write what is told of a case by the policy with some changes, its CPU seconds, and what moves acted."""
     import flexarm
 
     case = case_of(spec, cases)
-    policy = SelectionPolicy(**{key: tuple(v) if isinstance(v, list) else v for key, v in changes.items()})
+    record_proposals()
+    policy = Recorded(**{key: tuple(v) if isinstance(v, list) else v for key, v in changes.items()})
     records = {"train_a": case.train_a, "train_b": case.train_b}
+    start = time.process_time()
     found = flexarm.diagnose(case.model, records, hold_out=case.held_out, jobs=1, policy=policy)
-    answer = {"verdict": found.verdict, "names": sorted([e.name, e.at] for e in found.effects)}
+    outcome = Outcome(case.answer.to_dict(), found.to_json_dict())
+    answer = {
+        "verdict": found.verdict,
+        "names": sorted([e.name, e.at] for e in found.effects),
+        "probabilities": {f"{e.name} at {e.at}": e.probability for e in found.effects},
+        "right": len(outcome.named) == len(outcome.hidden)
+        and all(any(same(one, hidden) for one in outcome.named) for hidden in outcome.hidden),
+        "cpu": time.process_time() - start,
+        "acted": sorted(ACTED),
+    }
     kept.parent.mkdir(parents=True, exist_ok=True)
     kept.write_text(json.dumps(answer) + "\n")
 
 
-def answer_of(spec: Spec, name: str, changes: dict, out: Path, timeout: float) -> dict | None:
-    """Return the answer to a case by a policy, from the disk or a process of its own; None if it fails."""
-    kept = out / name.replace(" ", "-") / f"{spec.name}.json"
+def acted_without(answer: dict, moves: list[str]) -> set[str]:
+    """Return the moves that acted in a search and are none of those that are left on."""
+    return set(answer["acted"]) & set(MOVES) - set(moves)
+
+
+def answer_of(name: str, changes: dict, spec: Spec, out: Path, timeout: float) -> dict | None:
+    """Return the answer to a case by a policy, None if it fails.
+
+    It comes from the disk, from the default policy if the move left out did nothing there, or from a process.
+    """
+    kept, default = (out / each.replace(" ", "-") / f"{spec.name}.json" for each in (name, DEFAULT[0]))
+    if not kept.exists() and "moves" in changes and default.exists():
+        answer = json.loads(default.read_text())
+        if not acted_without(answer, changes["moves"]):
+            return answer
     if not kept.exists():
         process = get_context("spawn").Process(target=diagnosed, args=(spec, changes, out / "cases", kept))
         process.start()
@@ -78,20 +145,25 @@ def table(found: dict[str, list[dict | None]], changed: dict[str, dict]) -> str:
     """Return the Markdown table of the answers by policy, in the order of the cases."""
     lines = [
         f"{len(found['default'])} cases; `default` is `SelectionPolicy()`.\n",
-        "| policy | value | default | compared | verdicts changed | names changed | no answer |",
-        "|---|---|---|---|---|---|---|",
+        "| policy | value | default | compared | acted | verdicts changed | names changed | right | CPU [s] "
+        "| no answer |",
+        "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for name, answers in found.items():
         if name == "default":
             continue
-        pairs = [(a, b) for a, b in zip(answers, found["default"], strict=True) if a and b]
-        verdicts, names = (sum(a[key] != b[key] for a, b in pairs) for key in ("verdict", "names"))
-        failed = sum(answer is None for answer in answers)
         [(field, value)] = changed[name].items()
+        pairs = [(a, b) for a, b in zip(answers, found["default"], strict=True) if a and b]
+        acted = [(a, b) for a, b in pairs if field != "moves" or acted_without(b, value)]
+        verdicts, names = (sum(a[key] != b[key] for a, b in acted) for key in ("verdict", "names"))
+        right = " -> ".join(str(sum(pair[k]["right"] for pair in pairs)) for k in (1, 0))
+        cpu = " -> ".join(f"{median(pair[k]['cpu'] for pair in acted):.0f}" for k in (1, 0)) if acted else ""
+        failed = sum(answer is None for answer in answers)
         shown = (
             ("off", "on") if field == "moves" else (f"{value:.4g}", f"{getattr(SelectionPolicy, field):.4g}")
         )
-        lines.append(f"| {name} | {shown[0]} | {shown[1]} | {len(pairs)} | {verdicts} | {names} | {failed} |")
+        cells = [name, *shown, len(pairs), len(acted), verdicts, names, right, cpu, failed]
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
     return "\n".join(lines) + "\n"
 
 
@@ -128,10 +200,13 @@ def main() -> None:
     given.out.mkdir(parents=True, exist_ok=True)
     for spec in specs:
         case_of(spec, given.out / "cases")
-    jobs = [(spec, name, changes, given.out, given.timeout) for name, changes in tried for spec in specs]
     with ThreadPoolExecutor(given.jobs) as pool:
-        answers = iter(list(pool.map(lambda job: answer_of(*job), jobs)))
-    found = {name: [next(answers) for _ in specs] for name, _ in tried}
+        found = {
+            name: list(
+                pool.map(partial(answer_of, name, changes, out=given.out, timeout=given.timeout), specs)
+            )
+            for name, changes in tried
+        }
     text = table(found, dict(tried))
     (given.out / "ablation.md").write_text(text)
     print(text)

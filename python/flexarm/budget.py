@@ -7,11 +7,19 @@ print(*budget.remarks)
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from math import inf
 from time import monotonic
+
+BUDGET = "the budget of"
+"""How the remark on what was left out begins."""
+
+
+def ended_early(remarks: Sequence[str]) -> bool:
+    """Return True if one of the remarks says that a budget ended before all was done."""
+    return any(remark.startswith(BUDGET) for remark in remarks)
 
 
 class Budget:
@@ -43,7 +51,7 @@ class Budget:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Return a sentence on what was left out; none if all was done."""
-        done = f"the budget of {self.seconds:g} s ended before {', '.join(self.left_out)}"
+        done = f"{BUDGET} {self.seconds:g} s ended before {', '.join(self.left_out)}"
         return (done,) if self.left_out else ()
 
 

@@ -14,6 +14,10 @@ def place_text(at: Place) -> str:
     return at if isinstance(at, str) else ", ".join(at)
 
 
+NORMAL_90 = 1.6448536
+"""Deviations of a normal distribution between which 90 % lie."""
+
+
 @dataclass(frozen=True)
 class Estimate:
     """A fitted parameter."""
@@ -27,6 +31,11 @@ class Estimate:
     """Estimate, 1 sigma, and the 90 % interval [unit]."""
     unit: str
     """Of all four."""
+
+    @classmethod
+    def normal(cls, name: str, value: float, std: float, unit: str) -> Estimate:
+        """Return an estimate with the 90 % interval of a normal distribution."""
+        return cls(name, value, std, value - NORMAL_90 * std, value + NORMAL_90 * std, unit)
 
 
 @dataclass(frozen=True)

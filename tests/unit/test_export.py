@@ -1,5 +1,6 @@
 """What is exported is read again as it was, by flexarm's readers, MuJoCo and SciPy."""
 
+import difflib
 from xml.etree import ElementTree
 
 import numpy as np
@@ -113,6 +114,35 @@ def test_urdf_gets_friction_and_what_it_has_no_word_for(files):
     model = files / "again.toml"
     model.write_text('format = "flexarm-arm/1"\nurdf = "found.urdf"\n')
     assert [joint.name for joint in Arm.from_toml(model).joints] == ["hinge", "slide"]
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_all_else_of_a_robot_file_stays_as_it_stands(files, newline):
+    """A difference of both files shows lines of joints alone, indented as their neighbours."""
+    arm = Arm.from_toml(files / "arm.toml")
+    text = """<?xml version="1.0" encoding="latin-1"?>
+<!-- licence: own -->
+<robot name='lift' xmlns:xacro="http://ros.org/wiki/xacro">
+  <link name="rod"   >
+    <visual><origin xyz="0 0 0"/><a:b xmlns:a="urn:x" c="1 > 0 &amp; &quot;\xe4&quot;"/></visual></link>
+  <link name="hand"></link>
+  <joint name="hinge"
+         type="revolute">
+    <parent link="base"/><child link="rod"/>
+    <axis xyz="0 0 1" />
+  </joint>
+  <joint name="slide" type="prismatic"><parent link="rod"/><child link="hand"/></joint>
+</robot>
+<!-- end -->
+"""
+    (files / "own.urdf").write_bytes(text.replace("\n", newline).encode("latin-1"))
+    flexarm.export_urdf(arm, files / "own.urdf", files / "found.urdf")
+    found = (files / "found.urdf").read_bytes().decode("latin-1")
+    assert found.count(newline) == found.count("\n")
+    old, new = text.splitlines(), found.splitlines()
+    changed = [line for line in difflib.ndiff(old, new) if line[0] in "+-"]
+    assert [line.split("<")[1].split()[0] for line in changed] == ["dynamics", "flexarm", "joint", "joint"]
+    assert changed[0].startswith("+     <dynamics ")
 
 
 def test_a_second_export_replaces_the_first(files):

@@ -1,6 +1,7 @@
 """Poses of unknown frames are told as a record would state them."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -65,6 +66,8 @@ def test_compare_tells_the_pose_of_an_unknown_frame(record):
     assert rpy == pytest.approx(RPY, abs=1e-4)
     assert found.to_json_dict()["frames"]["tracker"] == {"xyz": xyz, "rpy": rpy}
     assert "frame tracker found at xyz = [2.0000" in found.summary()
+    assert "translation of tracker" not in found.summary()  # how far from a guess says nothing
+    assert re.search(r"rad in the base, \+- (\S+, ){2}\S+ m and (\S+, ){2}\S+ rad", found.summary())
     assert flexarm.compare(ARM, record, align=False).frames == {}
 
 

@@ -1,6 +1,7 @@
 """Claims about proposed maps: logs of a known motion, and what the proposal makes of them."""
 
 import tomllib
+from datetime import datetime, timedelta
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from flexarm.arm.kinematics import link_pose
 from flexarm.cli.run import run
 from flexarm.importing.guess.logged import _unit_by_size
 from flexarm.importing.guess.motion import Track, agreement, white_noise
+from flexarm.importing.guess.text_stamps import text_stamps
 from flexarm.importing.guess.words import matched, meaning_of
 
 MODEL = """
@@ -79,6 +81,13 @@ def logs(tmp_path):
     rows = [f"{s:.1f},{x:.4f},{y:.4f},{z:.4f},7" for s, (x, y, z) in zip(stamps, seen, strict=True)]
     (tmp_path / "tracker.csv").write_text("t (ms),tip X,tip Y,tip Z,mode\n" + "\n".join(rows) + "\n")
     return tmp_path
+
+
+def write_robot(folder, columns, t):
+    """A controller's file of columns by name, with decimal commas."""
+    head = ";".join(["Zeit [ms]", *columns])
+    rows = [";".join(f"{v:.6f}" for v in row) for row in zip(1e3 * t, *columns.values(), strict=True)]
+    (folder / "robot.csv").write_text(head + "\n" + "\n".join(rows).replace(".", ",") + "\n")
 
 
 def guessed(folder, *files, out="map.toml", model="arm.toml"):
@@ -246,3 +255,123 @@ def test_third_differences_find_white_noise_below_a_motion():
     noisy = np.sin(5 * t) + 1e-3 * np.random.default_rng(1).standard_normal(len(t))
     assert white_noise(noisy) == pytest.approx(1e-3, rel=0.1)
     assert white_noise(np.zeros(100)) == 0
+
+
+@pytest.mark.parametrize("axes", [np.eye(3), Rotation.from_euler("xyz", [0.1, -0.2, 2.0]).as_matrix()])
+def test_a_joint_that_runs_against_the_model_is_turned(logs, axes):
+    """In the base's axes or in the tracker's own; a shift of the places, as of a frame, is no matter."""
+    arm = Arm.from_toml(logs / "arm.toml")
+    t = np.arange(0, 8, 0.02)
+    write_robot(logs, {"pan [rad]": angles(t)["pan"], "lift [rad]": -angles(t)["lift"]}, t)
+    seen = 1000 * (place(arm, t) - [3, 1, 0]) @ axes
+    rows = [f"{s:.2f},{x:.4f},{y:.4f},{z:.4f}" for s, (x, y, z) in zip(t, seen, strict=True)]
+    (logs / "tracker.csv").write_text("time,X,Y,Z\n" + "\n".join(rows) + "\n")
+    data, text = guessed(logs, "robot.csv", "tracker.csv")
+    signals = {each["name"]: each for each in data["signals"]}
+    turned = {name for name in ("pan", "lift") if signals[name].get("scale") == -1.0}
+    if axes[0, 0] == 1:
+        assert turned == {"lift"}
+        assert "against the model's axis: the model comes to within" in text
+    else:  # turned by half about x the mirrored motion is the same: the axes of the tracker are not known
+        assert len(turned) == 1
+        assert "the sign; with lift and pan turned the model fits alike" in text
+
+
+def test_signs_that_agree_with_the_model_stay(logs):
+    data, _ = guessed(logs, "robot.csv", "tracker.csv")
+    assert not any("scale" in each for each in data["signals"])
+
+
+@pytest.mark.parametrize(
+    ("count", "geared", "sign"), [(16384, True, 1), (4000, True, -1), (1_000_000, False, 1)]
+)
+def test_counts_per_turn_are_those_with_which_the_model_meets_the_point(logs, count, geared, sign):
+    t = np.arange(0, 8, 0.004)
+    lift = sign * angles(t)["lift"] * (RATIO["lift"] if geared else 1) / (2 * np.pi) * count
+    write_robot(logs, {"pan [deg]": np.degrees(angles(t)["pan"]), "lift [Ink]": np.round(lift)}, t)
+    data, text = guessed(logs, "robot.csv", "tracker.csv")
+    (found,) = [each for each in data["signals"] if each["name"] == "lift"]
+    assert found["unit"] == {"counts_per_turn": count}
+    assert found.get("before_gear", False) == geared
+    assert "of usual counts: the model comes to within" in text
+    record = flexarm.import_record(logs / "map.toml")
+    np.testing.assert_allclose(
+        np.abs(record.signals["lift"].values[:, 0]), np.abs(angles(t)["lift"]), atol=2e-5
+    )
+
+
+def test_counts_without_a_measured_point_are_left_open(logs):
+    t = np.arange(0, 8, 0.004)
+    write_robot(logs, {"pan [deg]": angles(t)["pan"], "lift [counts]": np.round(1e5 * angles(t)["lift"])}, t)
+    data, text = guessed(logs, "robot.csv")
+    assert [each["name"] for each in data["signals"]] == ["pan"]
+    assert "# # unknown: unit: no measured point tells how many counts are a turn" in text
+
+
+def test_targets_of_a_tracker_and_its_dates_are_told_apart(logs):
+    """Streams of two targets with numbers of their own, date and time of day beside each other."""
+    arm = Arm.from_toml(logs / "arm.toml")
+    start = datetime(2026, 9, 14, 23, 59, 57)
+    rows = ["// SA 2024.1", "// Working Frame: A::Tracker"]
+    for group, wall in (("Tool", 0.0), ("Wall", 1.0)):
+        for k, t in enumerate(np.arange(0.3, 7.5, 0.02)):
+            x, y, z = np.ravel(1000 * (place(arm, t) * (1 - wall) + wall))
+            stamp = (start + timedelta(seconds=float(t))).strftime("%m/%d/%Y %H:%M:%S.%f")[:-3]
+            rows.append(f"A {group} p{k} {x:.4f} {y:.4f} {z:.4f} {stamp}")
+    (logs / "sa.txt").write_text("\n".join(rows) + "\n")
+    data, _ = guessed(logs, "robot.csv", "sa.txt")
+    (tip,) = [each for each in data["signals"] if each["name"] == "tip"]
+    assert (tip["time"], tip["time_format"]) == ([7, 8], "%m/%d/%Y %H:%M:%S.%f")
+    assert (tip["where"], tip["columns"]) == ({"2": "Tool"}, [4, 5, 6])
+    record = flexarm.import_record(logs / "map.toml")
+    assert record.signals["tip"].time[-1] - record.signals["tip"].time[0] == pytest.approx(7.18, abs=1e-6)
+
+
+def test_which_of_the_models_points_was_measured_follows_from_its_motion(logs):
+    elbow = '[[points]]\nname = "mid"\nlink = "boom"\nposition = [1, 0, 0.5]\n'
+    (logs / "arm.toml").write_text(MODEL + elbow)
+    (logs / "seen.csv").write_text((logs / "tracker.csv").read_text().replace("tip ", ""))
+    data, text = guessed(logs, "robot.csv", "seen.csv")
+    (seen,) = [each for each in data["signals"] if each["quantity"] == "position"]
+    assert seen["point"] == "tip"
+    assert "# unknown: point: taken by its speed, which goes with that of tip by" in text
+
+
+def test_columns_that_never_change_are_no_signals_and_numbers_name_joints(logs):
+    t = np.arange(0, 8, 0.004)
+    angle = {"A2 Ist [deg]": np.degrees(angles(t)["lift"]), "A1 Ist [deg]": np.degrees(angles(t)["pan"])}
+    write_robot(logs, angle | {"vel pan": 0 * t, "A2 Moment [Nm]": np.sin(t)}, t)
+    data, text = guessed(logs, "robot.csv", "tracker.csv")
+    signals = {each["name"]: each for each in data["signals"]}
+    assert set(signals) == {"pan", "lift", "lift_motor_torque", "tip"}
+    assert signals["lift"]["columns"] == ["A2 Ist [deg]"]
+    assert "taken by its number 2 in the order of the model" in text
+    assert '"vel pan": may be joint_rate, always 0' in text
+
+
+@pytest.mark.parametrize(
+    ("columns", "form", "seconds"),
+    [
+        (["09/13/2026 11:59:59.5 PM", "09/14/2026 12:00:00.5 AM"], "%m/%d/%Y %I:%M:%S.%f %p", 1.0),
+        (["14.09.2026 14:00:07", "14.09.2026 14:00:08"], "%d.%m.%Y %H:%M:%S", 1.0),
+        (["23:59:58.25", "23:59:59.00"], "%H:%M:%S.%f", 0.75),
+    ],
+)
+def test_forms_of_dates_are_seen(columns, form, seconds):
+    found = text_stamps([1], [columns])
+    assert found is not None and (found.form, found.unknown) == (form, "")
+    assert np.diff(found.seconds) == pytest.approx(seconds)
+
+
+def test_a_date_that_reads_two_ways_says_so():
+    found = text_stamps(["d", "t"], [["01/02/2026"] * 2, ["10:00:00", "10:00:01"]])
+    assert found is not None and found.columns == ("d", "t")
+    assert found.unknown == "which of %d/%m/%Y and %m/%d/%Y the date is"
+    assert text_stamps([1], [["p1", "p2"]]) is None
+
+
+def test_half_of_the_day_may_stand_in_a_column_of_its_own():
+    names = ["p9", "p10"]
+    found = text_stamps([1, 5, 6, 7], [names, ["9/14/2026"] * 2, ["11:59:59", "12:00:00"], ["AM", "PM"]])
+    assert found is not None and (found.columns, found.form) == ((5, 6, 7), "%m/%d/%Y %I:%M:%S %p")
+    assert np.diff(found.seconds).tolist() == [1.0]

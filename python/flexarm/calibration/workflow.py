@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, takes
+from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.budget import current, limited
 from flexarm.calibration.estimates import (
     CalibratedFamily,
     CalibratedFrame,
@@ -37,6 +38,7 @@ from flexarm.diagnosis.verification import Bench, main_signal
 from flexarm.diagnosis.zeros import with_zeros
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
+from flexarm.named_effects import NORMAL_90
 from flexarm.validation.sensor_check import clean_records, named_records
 from flexarm.wording import listed
 
@@ -47,11 +49,18 @@ Progress = Callable[[float, str], object] | None
 
 SHARE = 0.8
 """Share of the work that is left after each step, in the progress: how many follow is not known."""
-NORMAL90 = 1.6448536269514722
-"""Half of a 90 % interval over 1 sigma."""
 
 
-@takes(arm=ARM, records=RECORDS, families=NAMES, hold_out=RECORD, jobs=JOBS, step=NUMBER, alpha=NUMBER)
+@takes(
+    arm=ARM,
+    records=RECORDS,
+    families=NAMES,
+    hold_out=RECORD,
+    jobs=JOBS,
+    step=NUMBER,
+    alpha=NUMBER,
+    max_seconds=SECONDS,
+)
 def calibrate(
     arm: Arm,
     records: Mapping[str, Record] | Sequence[Record],
@@ -62,6 +71,7 @@ def calibrate(
     step: float = 2e-3,
     alpha: float = -0.05,
     policy: CalibrationPolicy | None = None,
+    max_seconds: float | None = None,
     progress: Progress = None,
 ) -> Calibration:
     """Estimate all that is uncertain in a model, and families of effects, also where a gap stays.
@@ -82,6 +92,9 @@ def calibrate(
         Of all simulations [s], [-].
     policy : CalibrationPolicy, optional
         Priors of families, and when an estimate is at rest.
+    max_seconds : float, optional
+        Wall-clock time after which no further step begins [s]; a remark tells then how far from rest the
+        estimates are.
     progress : callable, optional
         Gets the share done and what is being done.
 
@@ -101,6 +114,22 @@ def calibrate(
     >>> found = flexarm.calibrate(arm, [poses], families=["joint_compliance"])  # doctest: +SKIP
     >>> found.save("calibrated")  # doctest: +SKIP
     """
+    with limited(max_seconds):
+        return _calibration(arm, records, families, hold_out, jobs, step, alpha, policy, progress)
+
+
+def _calibration(
+    arm: Arm,
+    records: Mapping[str, Record] | Sequence[Record],
+    families: Sequence[str],
+    hold_out: Record | None,
+    jobs: int | None,
+    step: float,
+    alpha: float,
+    policy: CalibrationPolicy | None,
+    progress: Progress,
+) -> Calibration:
+    """Return the calibration, within the budget of time."""
     begun, rules = time.monotonic(), policy or CalibrationPolicy()
     tell = progress or (lambda done, what: None)
     family_kinds(families)
@@ -140,7 +169,13 @@ def calibrate(
         tuple(parted.held_out),
         parted.kind,
         main_signal(parted.training, before),
-        (*map(str, clean.outliers), *clean.remarks, *borrowed, *_remarks(posterior, parted)),
+        (
+            *map(str, clean.outliers),
+            *clean.remarks,
+            *borrowed,
+            *_remarks(posterior, parted),
+            *current().remarks,
+        ),
         {"version": version(), "step": step, "seconds": time.monotonic() - begun},
     )
 
@@ -200,7 +235,7 @@ def _parameter(posterior: Posterior, k: int) -> CalibratedParameter:
 
 
 def _range(free: FreeParameter, u: float, sigma: float) -> Range:
-    low, high = (free.value(u + sign * NORMAL90 * sigma) for sign in (-1, 1))
+    low, high = (free.value(u + sign * NORMAL_90 * sigma) for sign in (-1, 1))
     return Range(free.value(u), low, high)
 
 
@@ -214,7 +249,7 @@ def _family(posterior: Posterior, family: Family) -> CalibratedFamily:
         weight = n / family.spread**2 + 1 / family.hyperprior[1] ** 2
         mean = np.full(n, 1 / family.spread**2 / weight)
         sigma = float(np.sqrt(1 / weight + mean @ posterior.covariance[np.ix_(columns, columns)] @ mean))
-        shared = Range(exp(mu), exp(mu - NORMAL90 * sigma), exp(mu + NORMAL90 * sigma))
+        shared = Range(exp(mu), exp(mu - NORMAL_90 * sigma), exp(mu + NORMAL_90 * sigma))
     return CalibratedFamily(
         family.effect, family.parameter, family.prior.unit, family.places, shared, family.spread
     )

@@ -13,6 +13,7 @@ from flexarm.cli.options import (
     AllowOutside,
     Force,
     Json,
+    MaxSeconds,
     Model,
     Out,
     Step,
@@ -45,6 +46,7 @@ def calibrate(
     hold_out: HoldOut = None,
     jobs: Jobs = None,
     step: Step = 2e-3,
+    max_seconds: MaxSeconds = None,
     json: Json = False,
     force: Force = False,
     allow_outside: AllowOutside = False,
@@ -54,7 +56,7 @@ def calibrate(
     Fits every value with an [uncertainty] in the model, clocks and frames of the records, and each family:
     one effect at all places where it can act, first with one shared size, then one each. Members that the
     data hardly know stay near the shared size. Unlike diagnose it chooses nothing, and it also fits where a
-    gap stays: intervals then widen by what is left.
+    gap stays: intervals then widen by what is left. With --max-seconds it ends with what it has.
 
         flexarm calibrate arm.toml poses --family joint_compliance --out calibrated
         flexarm calibrate arm.toml poses --family encoder_offset --hold-out other_poses --out calibrated
@@ -81,7 +83,7 @@ def calibrate(
     inputs = input_files(model, arm, read)
     with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
         with blame_one_of(model, names, read, arm):
-            found = _calibrated(arm, training, family or [], held_out, jobs, step)
+            found = _calibrated(arm, training, family or [], held_out, jobs, step, max_seconds)
         found = replace(found, provenance={**found.provenance, "inputs_sha256": hashes(inputs)})
         found.write(directory, model)
     if json:
@@ -98,12 +100,13 @@ def _calibrated(
     held_out: Record | None,
     jobs: int | None,
     step: float,
+    max_seconds: float | None,
 ) -> Calibration:
     """Return the calibration, which tells how far it is."""
     import flexarm
 
     with progress() as tell:
         found: Calibration = flexarm.calibrate(
-            arm, records, families, held_out, jobs=jobs, step=step, progress=tell
+            arm, records, families, held_out, jobs=jobs, step=step, max_seconds=max_seconds, progress=tell
         )
     return found

@@ -298,6 +298,8 @@ def _head(record: Record) -> list[str]:
 
 def _signal_line(entry: tuple[str, dict[str, Any]]) -> str:
     name, s = entry
+    if not s["rows"]:  # no other signal is without values
+        return f"  signal {name}: {s['quantity']} at {s['at']} [{s['unit']}], the input of responses"
     rate = f"{s['rate_hz']:.4g} Hz" if s["rate_hz"] else "poses"
     rate = f"response to {s['input']}" if s["input"] else rate
     noise = "not stated" if s["noise_std"] is None else f"{s['noise_std']:g}"

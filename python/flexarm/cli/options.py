@@ -65,7 +65,7 @@ MaxSeconds = Annotated[
         "--max-seconds",
         callback=_some_seconds,
         metavar="S",
-        help="Time for all simulations [s]: then the best so far is given, with a note on what was left out.",
+        help="Time after which nothing more is tried [s]; to conclude from what was found takes longer.",
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the output.")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexarm.arguments import ARM, FLAG, MOTION, NUMBER, RECORD, ROW, takes
 from flexarm.comparison.align import Alignment
-from flexarm.comparison.aligned_record import simulate_record
+from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
 from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
 from flexarm.comparison.bands import alias
 from flexarm.comparison.comparison import Comparison
@@ -90,16 +90,23 @@ def compare(
     >>> print(flexarm.compare(arm, flexarm.Record.load("measured")))  # doctest: +SKIP
     """
     pair = simulate_record(arm, record, align, simulation=simulation, step=step, alpha=alpha)
-    simulated, aligned = pair.simulated, pair.aligned
+    steps = step_notes(arm, pair, step, alpha) if check_step else ()
+    return comparison_of(pair, align, bands, steps)
+
+
+def comparison_of(
+    pair: AlignedRecord, align: bool = True, bands: Sequence[float] | None = None, steps: Iterable[str] = ()
+) -> Comparison:
+    """Return the gap of an aligned record, as `compare` does; `steps` are notes on the solver's step."""
+    simulated, aligned, record = pair.simulated, pair.aligned, pair.record
     modes_hz = pair.modes_hz if bands is None else ()
     gaps = {}
     for name, signal in simulated.signals.items():
         outliers = aligned.outliers.get(name) if signal.quantity in SMOOTH else None
         gaps[name] = signal_gap(simulated, signal, aligned.placement, pair.joint, modes_hz, bands, outliers)
     unplaced = [f"{problem.where} {problem.what}" for problem in unplaced_effects(record, simulated.arm)]
-    steps = step_notes(arm, pair, step, alpha) if check_step else ()
     return Comparison(
-        arm.name,
+        simulated.arm.name,
         record.description,
         gaps,
         aligned,

@@ -81,15 +81,24 @@ class Comparison:
         """Return tables of the gap, its bands and the alignment as text."""
         title = f"gap between {self.arm!r} and " + (repr(self.record) if self.record else "the record")
         lines = [title, "", *self._gap_table(), "", *self._band_table()]
-        if self.aligned.parameters:
-            lines += ["", "aligned, +- 1 sigma beside the stated one"]
-            rows = zip(self.aligned.parameters, self.aligned.values, self.aligned.std, strict=True)
+        rows = list(zip(self.aligned.parameters, self.aligned.values, self.aligned.std, strict=True))
+        if rows:
+            lines += ["", "aligned, +- 1 sigma from noise alone (as stated)"]
             lines += [
                 f"  {u!s:<36}{_rounded_to(value, std):>12} +- {_sigma(std, 'any'):>8}  "
                 f"({_sigma(u.sigma, 'unknown')}) {u.unit}"
                 for u, value, std in rows
+                if u.kind == "delay"
+                or u.place not in self.frames  # of a found frame its pose is told, not how far from a guess
             ]
-        lines += [frame_words(name, pose) for name, pose in self.frames.items()]
+        for name, pose in self.frames.items():
+            found = [
+                f"{', '.join(_sigma(std, 'any') for _, std in group)} {unit}"
+                for unit in ("m", "rad")
+                if (group := [(u, std) for u, _, std in rows if (u.place, u.unit) == (name, unit)])
+            ]
+            sigmas = f", +- {' and '.join(found)}" if found else ""
+            lines.append(f"  {frame_words(name, pose)}{sigmas}")
         lines += [f"not compared: {name}: {why}" for name, why in self.skipped.items()]
         lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)

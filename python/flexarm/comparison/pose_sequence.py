@@ -33,6 +33,11 @@ class PoseSequence(StateSnapshots):
     sensitivities: Sensitivities | None = None
     """Derivatives of the arrays by parameters of the model; of those that are zero at rest there are none."""
 
+    @property
+    def joint_torque(self) -> Floats:
+        """Torques at the joints [N m], as of a `Simulation`."""
+        return self.motor_torque
+
 
 def sequence(arm: Arm, found: Sequence[StaticSolution]) -> PoseSequence:
     """Return the equilibria as one sequence."""

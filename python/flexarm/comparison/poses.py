@@ -181,6 +181,28 @@ def _force_derivatives(model: _StaticModel, parameter: Parameter) -> dict[str, F
     }
 
 
+def with_turned(record: Record, joint: str, angles: Floats) -> Record:
+    """Return a record whose poses turn the motor of a joint further, by `angles` of shape (poses,) [rad]."""
+    drives = [record.signals[name] for name in record.drive if record.signals[name].joint == joint]
+    if not drives:  # it stands where the record says
+        from flexarm.record import Signal
+
+        name = joint
+        while name in record.signals:
+            name += "_"
+        values = record.joints.get(joint, 0.0) + angles
+        stands = Signal(
+            name=name, quantity="joint_angle", joint=joint, pose=np.array(record.poses), values=values
+        )
+        return record.replace(signals={**record.signals, name: stands}, drive=(*record.drive, name))
+    number = pose_numbers(record)
+    turned = {
+        each.name: each.replace(values=each.values + angles[number[each.name].astype(int), None])
+        for each in drives
+    }
+    return record.replace(signals={**record.signals, **turned})
+
+
 def pose_numbers(record: Record) -> dict[str, Floats]:
     """Return the number of the pose of every row, by signal."""
     number = {pose: float(i) for i, pose in enumerate(record.poses)}

@@ -71,6 +71,9 @@ class SimulatedRecord:
     """The model whose effects on sensors, clocks and frames count."""
     motions: dict[str, tuple[Floats, Floats]] | None = field(default=None, compare=False, repr=False)
     """Last instants of each signal and its readings in the base there, where many frames are tried."""
+    _effects: dict[tuple[str, str, str], SensorEffects] = field(
+        init=False, default_factory=dict, compare=False, repr=False
+    )
 
     @property
     def evidence(self) -> dict[str, Signal]:
@@ -79,7 +82,10 @@ class SimulatedRecord:
 
     def effects(self, signal: Signal) -> SensorEffects:
         """Return effects of the model on a signal."""
-        return effects_of(self.arm, signal)
+        key = (signal.name, signal.clock, signal.frame)
+        if key not in self._effects:
+            self._effects[key] = effects_of(self.arm, signal)
+        return self._effects[key]
 
     def clock(self, signal: Signal, placement: Placement) -> ClockError:
         """Return the clock of a signal with effects of the model; poses have none."""

@@ -72,16 +72,20 @@ def log_odds_lost(fits: Sequence[Fit], problem: Problem) -> list[float]:
 
 def folds(problem: Problem) -> list[NDArray[np.int_]]:
     """Rows of each group: a stretch of one record, in time or in the order of poses, all channels."""
-    count = problem.policy.blocks
+    return _stretches(problem, problem.policy.blocks)
+
+
+def _stretches(problem: Problem, count: int) -> list[NDArray[np.int_]]:
+    """Rows of each of `count` stretches a record, all channels."""
     found: dict[tuple[str, int], list[NDArray[np.int_]]] = {}
     for each, where in problem.channels():
         index = np.arange(where.start, where.stop)
-        record = [row.time for row in problem.rows if row.record == each.record]
-        first, last = min(t[0] for t in record), max(t[-1] for t in record)
+        times = [row.time for row in problem.rows if row.record == each.record]
+        first, last = min(t[0] for t in times), max(t[-1] for t in times)
         number = np.minimum((count * (each.time - first) / max(last - first, 1e-12)).astype(int), count - 1)
-        for j in np.unique(number):
-            found.setdefault((each.record, int(j)), []).append(index[number == j])
-    return [np.concatenate(parts) for parts in found.values()]
+        for k in np.unique(number):
+            found.setdefault((each.record, int(k)), []).append(index[number == k])
+    return [np.concatenate(rows) for rows in found.values()]
 
 
 PARTS = 5
@@ -119,17 +123,7 @@ def cross_validated_skill(fit: Fit, null: Fit, stated: Floats, problem: Problem)
 
 def parts(problem: Problem) -> list[NDArray[np.int_]]:
     """Rows of each part."""
-    names = list(problem.records)
-    found: dict[tuple[str, int], list[NDArray[np.int_]]] = {}
-    for each, where in problem.channels():
-        index = np.arange(where.start, where.stop)
-        times = [row.time for row in problem.rows if row.record == each.record]
-        first, last = min(t[0] for t in times), max(t[-1] for t in times)
-        count = PARTS if len(names) == 1 else 1
-        number = np.minimum(count * (each.time - first) / max(last - first, 1e-12), count - 1).astype(int)
-        for k in np.unique(number):
-            found.setdefault((each.record, int(k)), []).append(index[number == k])
-    return [np.concatenate(rows) for rows in found.values()]
+    return _stretches(problem, PARTS if len(problem.records) == 1 else 1)
 
 
 def _placed(fit: Fit) -> NDArray[np.bool_]:

@@ -31,8 +31,8 @@ from flexarm.diagnosis.problem import Problem
 
 LIKELY = 2.0
 """Sigmas within which nominal values are centred."""
-CENTRED, LESS = 10, 0.98
-"""Most rounds in which nominal values are centred, and the part of the gap that makes one worth while."""
+CENTRED, BETTER = 10, 0.98
+"""Most rounds of centring nominal values, and the part of a gap left by which any round is worth another."""
 NEARBY = 0.1
 """Sigmas, rms, that a model's residual may move while what its steps miss is kept."""
 FORETOLD = 0.1
@@ -174,7 +174,7 @@ class Estimator:
                 better = about.fit(())
             except FIT_ERRORS:
                 break
-            if better.cost > LESS * fit.cost:
+            if better.cost > BETTER * fit.cost:
                 break
             there, fit = about, better
         return there

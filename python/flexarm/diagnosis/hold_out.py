@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.arrays import Floats
 from flexarm.assembly.machine import machine_of
 from flexarm.comparison.poses import is_input
 from flexarm.wording import with_unit
@@ -207,7 +206,7 @@ def _held(record: Record, signal: Signal) -> NDArray[np.bool_]:
         number = _numbers(record)
         return np.array([number[pose] % EVERY == EVERY - 1 for pose in signal.pose.tolist()], dtype=bool)
     first, last = _span(record, signal)
-    share = (_instants(record, signal) - first) / max(last - first, 1e-12)  # eq. (1)
+    share = (record.instants(signal) - first) / max(last - first, 1e-12)  # eq. (1)
     block = np.minimum((BLOCKS * share).astype(int), BLOCKS - 1)
     found: NDArray[np.bool_] = block % EVERY == EVERY - 1
     return found
@@ -223,7 +222,7 @@ def _span(record: Record, signal: Signal) -> tuple[float, float]:
     """First and last instant of all signals whose clocks tell one time with that of a signal [s]."""
     own = _time_of(record, signal)
     times = [
-        _instants(record, other)
+        record.instants(other)
         for other in record.signals.values()
         if other.pose is None and len(other.time) and _time_of(record, other) == own
     ]
@@ -235,11 +234,6 @@ def _time_of(record: Record, signal: Signal) -> str:
     unknown.
     """
     return signal.clock if record.clocks[signal.clock].unknown else ""
-
-
-def _instants(record: Record, signal: Signal) -> Floats:
-    """Stamps less how late they are stated to be [s]."""
-    return signal.time - record.clocks[signal.clock].offset
 
 
 def _without(signal: Signal, rows: NDArray[np.bool_]) -> Signal:

@@ -85,10 +85,10 @@ DRAWS = 4
 """Of n in (1): a mode is shaken by little more than its own bandwidth, which is few values."""
 ERROR_DRAWS = 8
 """The same for intervals: their width is then known to a quarter."""
-DRIVE_ERROR_COUNTS = 0.3
+COUNTS = 0.3
 """Least error of some channel, over its noise, that counts: a smaller one is 4 % of it."""
 SAID = 0.5
-"""The same of one that is said."""
+"""The same of one that is said, or named."""
 LOUD = 5.0
 """The same of one that is weighed by it: its own noise is a fifth of what it scatters by."""
 SEED = 0
@@ -100,7 +100,7 @@ def allow_for_input_noise(problem: Problem, arm: Arm) -> None:
     rng = np.random.default_rng(SEED)
     with suppress(*FIT_ERRORS):
         errors = [_squared_error(problem, arm, rng)]
-        if errors[0].max(initial=0.0) < DRIVE_ERROR_COUNTS**2:
+        if errors[0].max(initial=0.0) < COUNTS**2:
             return
         errors += [_squared_error(problem, arm, rng) for _ in range(DRAWS - 1)]
         square = np.mean(errors, axis=0).tolist()
@@ -180,21 +180,20 @@ def _noisy_again(record: Record, arm: Arm, rng: np.random.Generator) -> Record:
 
 def _reading(record: Record, name: str, arm: Arm, rng: np.random.Generator) -> Floats:
     """Eq. (1)."""
-    from scipy.interpolate import PPoly
-
     signal = record.signals[name]
     noise = float(effects_of(arm, signal).noise(signal.noise_std or 0.0)[0])
-    values = signal.values[:, 0]
-    if record.kind == "motion":
-        breaks, coefficients = smooth(signal.time, values, noise)
-        values = PPoly(coefficients, breaks)(signal.time)
+    values = smoothed(signal, noise) if record.kind == "motion" else signal.values[:, 0]
     values = values + noise * rng.standard_normal(len(signal))  # eq. (1)
     values[~np.isfinite(signal.values[:, 0])] = np.nan
     return np.asarray(values[:, None])
 
 
-STEP_ERROR_COUNTS = 0.3
-"""Least error of some channel, over its noise, that counts: a smaller one is what any simulation errs by."""
+def smoothed(signal: Signal, noise: float) -> Floats:
+    """Return the angle that drives a simulation at the stamps of its encoder, shape (n,)."""
+    from scipy.interpolate import PPoly
+
+    breaks, coefficients = smooth(signal.time, signal.values[:, 0], noise)
+    return np.asarray(PPoly(coefficients, breaks)(signal.time))
 
 
 def allow_for_discretisation_error(problem: Problem, arm: Arm) -> None:
@@ -205,7 +204,7 @@ def allow_for_discretisation_error(problem: Problem, arm: Arm) -> None:
         coarse, half, quarter = (problem.with_step(problem.step / times).residual(arm) for times in (1, 2, 4))
         error = extrapolated(half, quarter) - extrapolated(coarse, half)  # eq. (2)
         square = [float(np.mean(error[each.where] ** 2)) for each in problem.rows]
-        if max(square) < STEP_ERROR_COUNTS**2:
+        if max(square) < COUNTS**2:
             return
         rows = zip(problem.rows, square, strict=True)
         problem.rows = tuple(
@@ -218,6 +217,6 @@ def discretisation_remarks(problem: Problem) -> list[str]:
     most: dict[str, float] = {}
     for each in problem.rows:
         most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.discretisation_error))
-    sizes = {signal: size for signal, size in most.items() if size > STEP_ERROR_COUNTS}
+    sizes = {signal: size for signal, size in most.items() if size > COUNTS}
     said = "no time step is fine enough for what bounces: half of it moves"
     return [f"{said} {times_noise(sizes)}, which is no gap"] if sizes else []

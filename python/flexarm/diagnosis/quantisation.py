@@ -22,22 +22,18 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.diagnosis.noise_model import DRAWS, SAID, smoothed
 from flexarm.diagnosis.problem import Problem
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.measurement.effects_of import effects_of
-from flexarm.measurement.smoothing import smooth
 from flexarm.named_effects import Estimate, NamedEffect
 from flexarm.record import Record
 from flexarm.record.quantisation_grid import quantisation_step
 
 COARSE = 5.0
 """Steps over the stated noise from which a record does not tell of them."""
-MATTERS = 0.5
-"""Least error of some channel, over its noise, for which steps are named."""
-DRAWS, ROUGHLY = 4, 2.0
-"""Of u in (1), and how well the error of one motion tells that of another."""
-CERTAIN = 0.98
-"""Probability of what is seen in the readings themselves."""
+ROUGHLY = 2.0
+"""How well the error of one motion tells that of another."""
 
 
 @dataclass(frozen=True)
@@ -61,8 +57,8 @@ class CoarseEncoder:
     moves: str
     error: float
 
-    def named(self) -> NamedEffect:
-        """As a diagnosis says it."""
+    def named(self, probability: float) -> NamedEffect:
+        """As a diagnosis says it: steps are seen in the readings themselves."""
         step = self.effect.step
         exact = Estimate("step", step, 1e-4 * step, (1 - 2e-4) * step, (1 + 2e-4) * step, "rad")
         evidence = (
@@ -70,7 +66,7 @@ class CoarseEncoder:
             f"{self.over_noise:.0f} times the stated noise; what the arm did between two counts is lost, and "
             f"moves {self.moves} by {self.error:.1f} times its noise"
         )
-        return NamedEffect(EncoderQuantisation.name, self.effect.at, CERTAIN, (exact,), (), evidence)
+        return NamedEffect(EncoderQuantisation.name, self.effect.at, probability, (exact,), (), evidence)
 
 
 def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQuantisation, ...]:
@@ -100,7 +96,7 @@ def with_coarse_encoders(problem: Problem, seed: int) -> tuple[Problem, tuple[Co
         there = arm.with_effect(effect)
         error = np.max([_error(problem, there, effect, rng) for _ in range(DRAWS)], axis=0)
         most = int(np.argmax(error))
-        if error[most] > MATTERS:
+        if error[most] > SAID:
             variance += (ROUGHLY * error) ** 2
             arm = there
             driven = [r for r in problem.records.values() if _moves_by(r, effect.at)]
@@ -132,12 +128,9 @@ def _moves_by(record: Record, encoder: str) -> bool:
 
 def _rounded_again(record: Record, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Record:
     """Return a record whose encoder reads (1)."""
-    from scipy.interpolate import PPoly
-
     signal = record.signals[effect.at]
     noise = float(effects_of(arm, signal).noise(signal.noise_std or 0.0)[0])
-    breaks, coefficients = smooth(signal.time, signal.values[:, 0], noise)
-    f = PPoly(coefficients, breaks)(signal.time)
+    f = smoothed(signal, noise)
     u = effect.step * rng.uniform()
     values = effect.step * np.round((f + u) / effect.step) - u  # eq. (1)
     values[~np.isfinite(signal.values[:, 0])] = np.nan

@@ -20,10 +20,10 @@ import numpy as np
 from flexarm.budget import current
 from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.cross_validation import log_odds_lost, press_rms
-from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.estimator import BETTER, Estimator
 from flexarm.diagnosis.evidence import log_bayes_factor
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.refinement import BETTER, about_itself, polished
+from flexarm.diagnosis.refinement import about_itself, polished
 
 STEPS = 3
 """Most times that a fit in conflict with priors is taken anew."""

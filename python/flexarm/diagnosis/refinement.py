@@ -13,7 +13,7 @@ from contextlib import suppress
 
 from flexarm.budget import allows, current
 from flexarm.diagnosis.acceptance import conflict
-from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.estimator import BETTER, Estimator
 from flexarm.diagnosis.evidence import above_noise
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.minimisers import (
@@ -27,8 +27,8 @@ from flexarm.diagnosis.residual_rows import is_non_smooth
 
 ROUNDS = 6
 """Most steps of `settled`."""
-IDLE, BETTER, QUIET = 2, 0.98, 0.4
-"""Of `polished`: idle rounds, what counts as less, and what is left above the noise where it ends."""
+IDLE, QUIET = 2, 0.4
+"""Of `polished`: idle rounds, and what is left above the noise where it ends."""
 STILL, SETTLED = 1.0, 0.1
 """Least fall of C in a round of each, in squared sigmas: those of the noise or, above it, of what is left."""
 SHORTER = (1.0, 0.3, 0.1)

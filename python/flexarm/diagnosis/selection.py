@@ -186,7 +186,7 @@ def best_proposed(
     criteria, problem = state.criteria, state.criteria.problem
     best, about = best_of(about, fits, old, criteria)
     near = best.cost < criteria.policy.model_errors * len(problem)
-    if near and criteria.policy.allows("model_errors") and criteria.leaves_gap(best):
+    if near and criteria.leaves_gap(best) and criteria.policy.allows("model_errors"):
         arm = about.with_effects(best.members)
         allow_for_input_noise(problem, arm)
         allow_for_discretisation_error(problem, arm)
@@ -199,12 +199,14 @@ def best_proposed(
 
 def backward(criteria: Criteria, best: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
     """Return a model without the effects that the others made needless."""
-    k = 0 if criteria.policy.allows("backward") else len(best.members)
+    k = 0
     while len(best.members) > 1 and k < len(best.members):
         rest = tuple(m for i, m in enumerate(best.members) if i != k)
         fewer = None if carries(rest, best.members[k]) else _fitted(estimator, rest, best)
         if fewer is None or criteria.accepts(best, fewer):
             k += 1
+        elif not criteria.policy.allows("backward"):
+            break
         else:
             best, estimator, k = fewer, about_or_here(fewer, estimator), 0
     return best, estimator
@@ -216,9 +218,9 @@ def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
     None does so twice: of two that are equal each may be ahead of the other by a little.
     """
     choice, chosen, policy = with_alternatives(state, best, about), [], state.criteria.policy
-    for _ in range(policy.most_effects if policy.allows("swap") else 0):
+    for _ in range(policy.most_effects):
         ahead = min((r for each in choice.rivals for r in each), key=lambda r: r.behind, default=None)
-        if ahead is None or ahead.behind >= 0:
+        if ahead is None or ahead.behind >= 0 or not policy.allows("swap"):
             break
         chosen.append(set(choice.best.places))
         if set(ahead.fit.places) in chosen:

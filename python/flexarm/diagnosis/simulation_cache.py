@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arm import Arm
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
+from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import end_of_simulation, require_known_drive
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
-from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses
+from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses, with_turned
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive, JointDrive
 from flexarm.drive.lead_in import jerked
@@ -85,8 +86,7 @@ class SimulationCache:
         """Return a run."""
         record = self.records[name]
         if record.kind == "static":
-            inputs = {n: "is an input of the poses" for n, s in record.signals.items() if is_input(record, s)}
-            return pair_record(solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
+            return _of_poses(record, record, arm)
         if rings_freely(record):
             return pair_record(simulate_free_vibration(arm, record, self.step), record, arm=arm)
         return pair_record(self._along(self.drive(name, arm), name, arm), record, arm=arm)
@@ -109,6 +109,12 @@ class SimulationCache:
         self.made += 1
         run = self._along(replace(drive, joints={**drive.joints, **joints}), name, carried)
         return pair_record(run, record, arm=carried)
+
+    def turned(self, name: str, arm: Arm, joint: str, angles: Floats) -> SimulatedRecord:
+        """Return poses beside their record with a joint's motor turned further in each, by `angles` [rad]."""
+        record = self.records[name]
+        self.made += 1
+        return _of_poses(record, with_turned(record, joint, angles), record.applied_to(arm))
 
     def _along(self, drive: Drive, name: str, arm: Arm) -> Any:
         """Return the simulation along a drive."""
@@ -134,6 +140,12 @@ class SimulationCache:
             require_known_drive(record)
             self._drives[key] = Drive.from_record(record, arm)
         return self._drives[key]
+
+
+def _of_poses(record: Record, there: Record, arm: Arm) -> SimulatedRecord:
+    """Return the equilibria of the poses of a record beside what another one of the same rows measured."""
+    inputs = {name: "is an input of the poses" for name, s in record.signals.items() if is_input(record, s)}
+    return pair_record(solve_poses(arm, there), record, pose_numbers(record), inputs, arm)
 
 
 def _mechanics(record: Record, arm: Arm) -> tuple[Any, ...]:

@@ -35,10 +35,7 @@ from flexarm.diagnosis.evidence import evidence_of, simulation_errors
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.generalised_least_squares import NormalEquations, joint_jacobian
 from flexarm.diagnosis.problem import Problem
-from flexarm.named_effects import Estimate, Nuisance, Refined
-
-WITHIN = 1.6448536
-"""Deviations of a normal distribution between which 90 % lie."""
+from flexarm.named_effects import NORMAL_90, Estimate, Nuisance, Refined
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,11 +111,11 @@ def _of_effect(fit: Fit, i: int, sigma: Floats) -> tuple[Estimate, ...]:
         j = places[name]
         parameter, z = fit.parameters[j], float(fit.z[j])
         reach = max(parameter.bound, abs(z))
-        ends = (float(np.clip(z + side * WITHIN * sigma[j], -reach, reach)) for side in (-1, 1))
+        ends = (float(np.clip(z + side * NORMAL_90 * sigma[j], -reach, reach)) for side in (-1, 1))
         low, high = sorted(parameter.value(end) for end in ends)
         own = parameter.prior.unit if unit == "SI" else unit  # that of the signal
         turns = whole_turns(value) if name == "phase" else 0.0
-        std = (high - low) / (2 * WITHIN)
+        std = (high - low) / (2 * NORMAL_90)
         found.append(
             Estimate(name, value - turns, std, min(low, value) - turns, max(high, value) - turns, own)
         )
@@ -141,7 +138,6 @@ def _of_unknowns(fit: Fit, sigma: Floats) -> tuple[tuple[Nuisance, ...], tuple[R
         if unknown.kind == "nominal":
             refined.append(Refined(unknown.key, value, std, unknown.centre, unknown.unit))
             continue
-        low, high = value - WITHIN * std, value + WITHIN * std
         name = f"angle.{unknown.key[-1]}" if unknown.kind == "base" else unknown.key.split(".", 3)[3]
-        nuisances.setdefault(unknown.place, []).append(Estimate(name, value, std, low, high, unknown.unit))
+        nuisances.setdefault(unknown.place, []).append(Estimate.normal(name, value, std, unknown.unit))
     return tuple(Nuisance(*place, tuple(each)) for place, each in nuisances.items()), tuple(refined)

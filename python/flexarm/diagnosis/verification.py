@@ -14,7 +14,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect
 from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
-from flexarm.comparison.compare import compare
+from flexarm.comparison.compare import comparison_of
 from flexarm.comparison.comparison import Comparison
 from flexarm.diagnosis.candidate import Candidate, springs_first, with_members
 from flexarm.named_effects import Stage, place_text
@@ -27,14 +27,6 @@ from flexarm.threads import at_once
 
 Gaps = Mapping[str, Comparison]
 """A model beside each record."""
-
-
-def gaps(
-    compared: Callable[[Arm, Record], Comparison], model: Arm, records: Mapping[str, Record], jobs: int = 1
-) -> Gaps:
-    """Return a model beside records, `jobs` at once."""
-    found = at_once(partial(compared, model), records.values(), jobs)
-    return dict(zip(records, found, strict=True))
 
 
 def main_signal(records: Mapping[str, Record], before: Gaps) -> str:
@@ -123,21 +115,24 @@ class Bench:
 
     def in_training(self, model: Arm) -> Gaps:
         """Return the gap of a model by record that was fitted."""
-        return self._gaps(model, self.training)
+        return compared(self._aligned(model, self.training))
 
     def in_all(self, model: Arm) -> Gaps:
         """Return the same by any record."""
-        return self._gaps(model, {**self.training, **self.held_out})
+        return compared(self.beside(model))
 
     def beside(self, model: Arm) -> dict[str, AlignedRecord]:
-        """Return a model beside each record that was fitted, sample by sample."""
-        return {
-            name: simulate_record(model, record, step=self.step, alpha=self.alpha)
-            for name, record in self.training.items()
-        }
+        """Return a model beside each record, sample by sample."""
+        return self._aligned(model, {**self.training, **self.held_out})
 
-    def _gaps(self, model: Arm, records: Mapping[str, Record]) -> Gaps:
-        return gaps(partial(compare, step=self.step, alpha=self.alpha), model, records, self.jobs)
+    def _aligned(self, model: Arm, records: Mapping[str, Record]) -> dict[str, AlignedRecord]:
+        simulated = partial(simulate_record, model, step=self.step, alpha=self.alpha)
+        return dict(zip(records, at_once(simulated, records.values(), self.jobs), strict=True))
+
+
+def compared(pairs: Mapping[str, AlignedRecord]) -> Gaps:
+    """Return the gap of each record that a model was simulated beside."""
+    return {name: comparison_of(pair) for name, pair in pairs.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,9 +188,10 @@ def verified(
     open_gap : bool
         Whether what is left is to be described.
     """
-    before, after = bench.in_all(arm), bench.in_all(updated)
+    runs, runs_after = bench.beside(arm), bench.beside(updated)
+    before, after = compared(runs), compared(runs_after)
     main = main_signal(bench.training, before)
-    pairs, pairs_after = bench.beside(arm), bench.beside(updated)
+    pairs, pairs_after = ({name: found[name] for name in bench.training} for found in (runs, runs_after))
     located_after = _located(pairs_after)
     return Verified(
         before,

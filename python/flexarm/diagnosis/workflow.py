@@ -45,13 +45,14 @@ from flexarm.diagnosis.remarks import swings, unfitted, unweighed, weighed_loads
 from flexarm.diagnosis.repair import moved, repaired, worth_keeping
 from flexarm.diagnosis.result import Diagnosis, Verdict
 from flexarm.diagnosis.screening import probe
+from flexarm.diagnosis.search_step import step_remarks, with_fine_step
 from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.split import named_hold_out, split
 from flexarm.diagnosis.uncertainty import Estimates, estimates
 from flexarm.diagnosis.verification import Bench, main_signal, verified
 from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
 from flexarm.missing_law.check import LawCheck
-from flexarm.missing_law.search import MissingLaws, missing_laws, replaced_effects
+from flexarm.missing_law.search import MissingLaws, law_remarks, missing_laws
 from flexarm.named_effects import NamedEffect
 from flexarm.threads import one_blas_thread
 from flexarm.validation.finding import ValidationResult
@@ -108,7 +109,7 @@ def diagnose(
     seed : int
         Of the bootstrap; same seed, same answer.
     step, alpha : float
-        Of all simulations [s], [-].
+        Of all simulations [s], [-]; records that ask for it get half or a quarter of the step.
     policy : SelectionPolicy, optional
         Thresholds of the search; all have a default.
     max_seconds : float, optional
@@ -174,6 +175,9 @@ def _diagnosis(
         jobs=jobs or os.cpu_count() or 1,
         policy=policy,
     )
+    problem = with_fine_step(problem, problem.arm)
+    remarks = (*remarks, *step_remarks(step, problem.step / COARSE))
+    step = problem.step / COARSE
     allow_for_input_noise(problem, problem.arm)
     input_noise = input_noise_by_signal(problem)
     problem, coarse = with_coarse_encoders(weighted_by_input_noise(problem), seed)
@@ -239,7 +243,7 @@ def _diagnosis(
             *(discretisation_remarks(problem) if choice.best.non_smooth else ()),
             *swings(choice.best, problem),
             *seen.remarks,
-            *replaced_effects(missing, choice.best),
+            *law_remarks(missing, choice.best),
             *current().remarks,
         ),
         next_experiment=further.sentence,
@@ -282,7 +286,7 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     ends = bound_sentence(choice.best)
     unexplained = open_gap or bool(ends)
     effects = (
-        *(encoder.named() for encoder in coarse),
+        *(encoder.named(problem.policy.most_certain) for encoder in coarse),
         *named_effects(choice, sizes, drifts, unexplained, problem, coarse=bool(coarse)),
     )
     keep = not unexplained or worth_keeping(choice, problem)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from flexarm.arguments import ARM, PATH, takes
 from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out
-from flexarm.export.robot_file import number, read_robot, refuse_no_joint, write_robot
+from flexarm.export.robot_file import add, number, read_robot, refuse_no_joint, remove, write_robot
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -49,7 +49,8 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path) -> list[str]:
     InvalidFile
         If the file is no MJCF, has none of the model's joints, or `out` cannot be written.
     """
-    path, root, notes, written = Path(mjcf), read_robot(Path(mjcf), "mujoco"), [], 0
+    path, file, notes, written = Path(mjcf), read_robot(Path(mjcf), "mujoco"), [], 0
+    root = file.root
     joints = {
         name: (body, joint)
         for body in root.iter("body")
@@ -74,12 +75,12 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path) -> list[str]:
             notes.append(f"joint {dynamics.joint}: {what}")
         _set(joint, armature=dynamics.armature, damping=dynamics.viscous, frictionloss=dynamics.dry)
     refuse_no_joint(path, [dynamics.joint for dynamics in wanted], list(joints), written)
-    write_robot(root, Path(out), [path])
+    write_robot(file, Path(out), [path])
     return notes
 
 
 def _write_elastic(root: Element, body: Element, joint: Element, dynamics: JointDynamics) -> None:
-    from xml.etree.ElementTree import Element, SubElement
+    from xml.etree.ElementTree import Element
 
     _set(
         joint,
@@ -104,11 +105,14 @@ def _write_elastic(root: Element, body: Element, joint: Element, dynamics: Joint
     if not (dynamics.bearing_viscous or dynamics.bearing_dry):
         return
     section = root.find("tendon")
-    tendons = SubElement(root, "tendon") if section is None else section
-    bearing = SubElement(tendons, "fixed", {"name": f"{dynamics.joint}_bearing"})
+    tendons = Element("tendon") if section is None else section
+    if section is None:
+        add(root, tendons)
+    bearing = Element("fixed", {"name": f"{dynamics.joint}_bearing"})
+    add(tendons, bearing)
     _set(bearing, damping=dynamics.bearing_viscous, frictionloss=dynamics.bearing_dry)
     for name in (dynamics.joint, f"{dynamics.joint}_deflection"):
-        SubElement(bearing, "joint", {"joint": name, "coef": "1"})
+        add(bearing, Element("joint", {"joint": name, "coef": "1"}))
 
 
 def _remove_earlier(root: Element, joint: str) -> None:
@@ -116,7 +120,7 @@ def _remove_earlier(root: Element, joint: str) -> None:
     for parent in list(root.iter()):
         for child in list(parent):
             if child.get("name") in (f"{joint}_deflection", f"{joint}_bearing"):
-                parent.remove(child)
+                remove(parent, child)
 
 
 def _set(element: Element, **values: float) -> None:

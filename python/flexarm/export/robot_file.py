@@ -1,9 +1,14 @@
-"""XML files of robots: read, changed in place and written again, comments and layout kept."""
+"""XML files of robots: read, changed in place and written again.
+
+What does not change stays as it stands: tags with their blanks, comments, namespaces, what lies before and
+after the root. So a difference of both files shows what was written.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flexarm.errors import InvalidFile
 from flexarm.output import write_file
@@ -13,28 +18,132 @@ if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
 
-def read_robot(path: Path, root: str) -> Element:
-    """Return the root of an XML file, comments included.
+@dataclass(frozen=True, eq=False)
+class RobotFile:
+    """An XML file, and how it is written."""
+
+    root: Element
+    before: str
+    """What stands before the root."""
+    after: str
+    encoding: str
+    tags: dict[Element, tuple[str, dict[str, str]]]
+    """Start tag of each element as it stands, and the attributes that it says."""
+
+    def text(self) -> str:
+        """Return the file with all that has changed since it was read."""
+        return self.before + self._element(self.root) + self.after
+
+    def _element(self, element: Element) -> str:
+        from xml.etree.ElementTree import Comment
+        from xml.sax.saxutils import escape, quoteattr
+
+        remark: Any = Comment  # what the tag of a comment is
+        if element.tag is remark:
+            return f"<!--{element.text}-->"
+        inner = escape(element.text or "")
+        inner += "".join(self._element(child) + escape(child.tail or "") for child in element)
+        start, stated = self.tags.get(element, ("", {}))
+        if not start or stated != element.attrib:
+            attributes = "".join(f" {key}={quoteattr(value)}" for key, value in element.items())
+            start = f"<{element.tag}{attributes}" + (">" if inner else "/>")
+        if start.endswith("/>"):
+            if not inner:
+                return start
+            start = start.removesuffix("/>").rstrip() + ">"
+        return f"{start}{inner}</{element.tag}>"
+
+
+def read_robot(path: Path, root: str) -> RobotFile:
+    """Return an XML file, comments included.
 
     Raises
     ------
     InvalidFile
         If it is no XML file, or its root has another name.
     """
-    from xml.etree import ElementTree
+    from xml.parsers.expat import ExpatError
 
     with reading(regular_file(path), "XML"):
-        parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
+        raw = path.read_bytes()
         try:
-            found = ElementTree.fromstring(path.read_bytes(), parser)
-        except ElementTree.ParseError as error:
-            raise InvalidFile(path, f"line {error.position[0]}", f"is no XML: {error}") from None
-    if found.tag != root:
-        raise InvalidFile(path, "file", f"must hold a <{root}>, got <{found.tag}>")
+            found = _parsed(raw)
+        except ExpatError as error:
+            raise InvalidFile(path, f"line {error.lineno}", f"is no XML: {error}") from None
+    if found.root.tag != root:
+        raise InvalidFile(path, "file", f"must hold a <{root}>, got <{found.root.tag}>")
     return found
 
 
-def write_robot(root: Element, path: Path, inputs: list[Path]) -> None:
+def _parsed(raw: bytes) -> RobotFile:
+    """Return the tree, with prefixes of namespaces as they stand and the tags of its elements."""
+    from xml.etree.ElementTree import TreeBuilder
+    from xml.parsers.expat import ParserCreate
+
+    parser, builder = ParserCreate(), TreeBuilder(insert_comments=True)
+    encoding, ends, depth = ["utf-8"], [0, 0], [0]
+    tags: dict[Any, tuple[str, dict[str, str]]] = {}
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        at = parser.CurrentByteIndex
+        if depth[0] == 0:
+            ends[0] = at
+        depth[0] += 1
+        stated = raw[at : _tag_end(raw, at)].decode(encoding[0])
+        tags[builder.start(tag, attributes)] = (stated, dict(attributes))
+
+    def end(tag: str) -> None:
+        depth[0] -= 1
+        builder.end(tag)
+        if depth[0] == 0:
+            ends[1] = _tag_end(raw, parser.CurrentByteIndex)
+
+    def comment(text: str) -> None:
+        if depth[0]:
+            builder.comment(text)
+
+    def declaration(version: str, named: str | None, standalone: int) -> None:
+        encoding[0] = named or encoding[0]
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.CharacterDataHandler, parser.CommentHandler = builder.data, comment
+    parser.XmlDeclHandler = declaration
+    parser.Parse(raw, True)
+    before, after = raw[: ends[0]].decode(encoding[0]), raw[ends[1] :].decode(encoding[0])
+    return RobotFile(builder.close(), before, after, encoding[0], tags)
+
+
+def _tag_end(raw: bytes, at: int) -> int:
+    """Return the place behind the `>` of a tag that begins at a place; one in quotes does not count."""
+    quote = 0
+    for k in range(at, len(raw)):
+        if quote:
+            quote = 0 if raw[k] == quote else quote
+        elif raw[k] in b"\"'":
+            quote = raw[k]
+        elif raw[k] == ord(">"):
+            return k + 1
+    return len(raw)
+
+
+def add(parent: Element, child: Element) -> None:
+    """Add an element as the last one, indented as its neighbours are."""
+    if len(parent):
+        last = parent[-1]
+        child.tail = last.tail
+        last.tail = parent.text if (parent.text or "").isspace() else last.tail
+    parent.append(child)
+
+
+def remove(parent: Element, child: Element) -> None:
+    """Remove an element with its indentation."""
+    place = list(parent).index(child)
+    if place:
+        parent[place - 1].tail = child.tail
+    parent.remove(child)
+
+
+def write_robot(file: RobotFile, path: Path, inputs: list[Path]) -> None:
     """Write an XML file, which appears when it is whole and replaces no input.
 
     Raises
@@ -42,9 +151,10 @@ def write_robot(root: Element, path: Path, inputs: list[Path]) -> None:
     InvalidFile
         If it cannot be written.
     """
-    from xml.etree import ElementTree
-
-    write_file(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n", inputs)
+    text = file.text()
+    if "\r\n" in file.before + "".join(tag for tag, _ in file.tags.values()) + file.after:
+        text = text.replace("\r\n", "\n").replace("\n", "\r\n")
+    write_file(path, text.encode(file.encoding, "xmlcharrefreplace"), inputs)
 
 
 def refuse_no_joint(path: Path, wanted: list[str], there: list[str], written: int) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from flexarm.arguments import ARM, PATH, takes
 from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out
-from flexarm.export.robot_file import number, read_robot, refuse_no_joint, write_robot
+from flexarm.export.robot_file import add, number, read_robot, refuse_no_joint, remove, write_robot
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -44,10 +44,10 @@ def export_urdf(arm: Arm, urdf: str | Path, out: str | Path) -> list[str]:
     InvalidFile
         If the file is no URDF, has none of the model's joints, or `out` cannot be written.
     """
-    from xml.etree.ElementTree import SubElement
+    from xml.etree.ElementTree import Element
 
-    path, root, notes, written = Path(urdf), read_robot(Path(urdf), "robot"), [], 0
-    joints = {name: joint for joint in root.findall("joint") if (name := joint.get("name"))}
+    path, file, notes, written = Path(urdf), read_robot(Path(urdf), "robot"), [], 0
+    joints = {name: joint for joint in file.root.findall("joint") if (name := joint.get("name"))}
     wanted = list(joint_dynamics(arm))
     notes += [f"closure {closure.name} is not written" for closure in arm.closures]
     for dynamics in wanted:
@@ -60,25 +60,26 @@ def export_urdf(arm: Arm, urdf: str | Path, out: str | Path) -> list[str]:
         friction = {"damping": dynamics.viscous, "friction": dynamics.dry}
         element = joint.find("dynamics")
         if element is None and any(friction.values()):
-            element = SubElement(joint, "dynamics")
+            element = Element("dynamics")
+            add(joint, element)
         if element is not None:
             element.attrib.update({key: number(value) for key, value in friction.items()})
         _write_own(joint, dynamics)
     refuse_no_joint(path, [dynamics.joint for dynamics in wanted], list(joints), written)
-    write_robot(root, Path(out), [path])
+    write_robot(file, Path(out), [path])
     return notes
 
 
 def _write_own(joint: Element, dynamics: JointDynamics) -> None:
     """Write what URDF has no word for; an element of an earlier export is replaced."""
-    from xml.etree.ElementTree import SubElement
+    from xml.etree.ElementTree import Element
 
     for old in joint.findall("flexarm"):
-        joint.remove(old)
+        remove(joint, old)
     values: dict[str, float] = {}
     if dynamics.elastic:
         values |= {"stiffness": dynamics.stiffness, "damping": dynamics.damping}
     if dynamics.rotor_inertia > 0:
         values |= {"rotor_inertia": dynamics.rotor_inertia, "gear_ratio": dynamics.gear_ratio}
     if values:
-        SubElement(joint, "flexarm", {key: number(value) for key, value in values.items()})
+        add(joint, Element("flexarm", {key: number(value) for key, value in values.items()}))

@@ -60,7 +60,7 @@ class Hdf5File(Tree):
                 return
             for part in item.dtype.names or ("",):
                 kind = item.dtype[part] if part else item.dtype
-                if kind.base.kind in "fiub":
+                if kind.base.kind in "fiubc":
                     path = f"{name}/{part}" if part else name
                     found[path] = (*item.shape, *kind.shape)
                     self.units[path] = _text(item.attrs.get("units", ""))

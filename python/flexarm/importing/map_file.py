@@ -11,12 +11,20 @@ from pydantic import BeforeValidator, Field, Strict, StringConstraints, model_va
 
 from flexarm.arm.sensor import Measurement
 from flexarm.errors import InvalidParameter
-from flexarm.record.consistency import references
+from flexarm.record.consistency import INPUTS, references, responses
 from flexarm.record.file_table import RunTable
-from flexarm.tables import Inconsistent, Number, Table, Vector3, check_table, read_toml, value_in
+from flexarm.tables import Inconsistent, Name, Number, Table, Vector3, check_table, read_toml, value_in
+from flexarm.tables.table import Whole
 from flexarm.units import factor_to, si_factor
 
 FORMAT = "flexarm-map/1"
+SOURCE = "name of the file, from where the map lies"
+KEYS_OF_KIND = {
+    "motion": ("time", "time_unit", "time_format"),
+    "static": ("pose",),
+    "frequency_response": ("frequency", "frequency_unit", "response", "phase_unit", "coherence", "averages"),
+}
+"""Keys that tell rows of a record of one kind apart, and say what they hold."""
 
 
 class Every(Table):
@@ -100,7 +108,7 @@ class SignalMap(Measurement):
     Parameters
     ----------
     source : str
-        File, or directory of a ROS 2 bag, from where the map lies.
+        File, or directory of a ROS 2 bag, from where the map lies; none of the input of a frequency response.
     topic : str, optional
         Topic of a bag, path of a variable or group, name of a sheet.
     columns : list of str or int
@@ -112,6 +120,16 @@ class SignalMap(Measurement):
         s, ms, us or ns; of stamps that are texts their form as `datetime.strptime` takes it.
     pose : str or int, optional
         In a record of poses the column that names the pose; left out: each row is a pose.
+    frequency, frequency_unit : optional
+        In a record of frequency responses the column of frequencies, in Hz, kHz or rad/s.
+    input : str, optional
+        There: name of the signal to which this one is the response; one without it is an input.
+    response : {"real-imaginary", "complex", "magnitude-phase", "decibel-phase"}
+        There: what the columns hold, two for each channel, of complex numbers one.
+    phase_unit : {"rad", "deg"}
+        There: unit of phases.
+    coherence, averages : optional
+        There: column of the coherence, and the number of its averages.
     where : dict of str to str or number, optional
         Only rows in which columns hold these values; in a text `*` stands for any others, `?` for one.
     unit : str or table, optional
@@ -133,13 +151,20 @@ class SignalMap(Measurement):
         How a text file is written, where that cannot be seen.
     """
 
-    source: str = Field(description="name of the file, from where the map lies", min_length=1)
+    source: str = Field("", description="name of the file, from where the map lies")
     topic: str | None = None
-    columns: Columns = Field(description="names of the columns, or numbers counted from 1")
+    columns: Columns = ()
     time: Stamps | None = None
     time_unit: str | None = None
     time_format: str | None = None
     pose: Column | None = None
+    frequency: Column | None = None
+    frequency_unit: Literal["Hz", "kHz", "rad/s"] = "Hz"
+    input: Name | None = None
+    response: Literal["real-imaginary", "complex", "magnitude-phase", "decibel-phase"] = "real-imaginary"
+    phase_unit: Literal["rad", "deg"] = "rad"
+    coherence: Column | None = None
+    averages: Whole = Field(1, ge=1, description="number of averages of the coherence")
     where: dict[str, str | Number] = Field(default_factory=dict)
     unit: Unit | None = None  # type: ignore[assignment]
     before_gear: bool = False
@@ -157,6 +182,8 @@ class SignalMap(Measurement):
     def si(self) -> tuple[str, float]:
         """SI unit of the record's values and the factor to it."""
         unit = self.unit
+        if self.input is not None:  # that of output per input, see `response_unit`
+            return self.spec.units[0], 1.0
         if self.torque_constant is not None:
             return super().si
         if isinstance(unit, Counts):
@@ -172,10 +199,23 @@ class SignalMap(Measurement):
             return "N m", unit.torque_constant
         return si_factor(self.spec.units[0] if unit is None else unit, self.spec.units)
 
+    @property
+    def bare(self) -> bool:
+        """True if nothing is read, as of the input of a frequency response."""
+        return not self.source and not self.columns and self.input is None
+
     def _column_problems(self) -> list[tuple[tuple[str, ...], str]]:
+        if self.bare and self.quantity in INPUTS:
+            return []
         wanted = self.spec.channels or len(self.directions)
         wanted = 3 if self.mount is not None else wanted
+        wanted = 2 * wanted if self.input is not None and self.response != "complex" else wanted
         found: list[tuple[tuple[str, ...], str]] = []
+        if not self.source:
+            found.append((("source",), f"is missing; needed is {SOURCE}"))
+        if not self.columns:
+            what = "is missing; needed is names of the columns, or numbers counted from 1"
+            return [*found, (("columns",), what)]
         if len(self.columns) != wanted and not (self.sum and wanted == 1):
             what = f"axes = {list(self.directions)}" if self.directions else self.quantity
             what = "a sensor with a mount" if self.mount is not None else what
@@ -196,6 +236,14 @@ class SignalMap(Measurement):
 
     def _conversion_problems(self) -> list[tuple[tuple[str, ...], str]]:
         found: list[tuple[tuple[str, ...], str]] = []
+        if self.input is not None:
+            found += [
+                ((key,), "does not belong to a frequency response")
+                for key in ("before_gear", "offset", "sum", "mount")
+                if key in self.model_fields_set
+            ]
+            if isinstance(self.unit, Counts | Current):
+                found.append((("unit",), f'is output per input, such as "m/s2/N", got {self.unit}'))
         if self.mount is not None and self.spec.channels is not None:
             found.append((("mount",), f"{self.quantity} has no three axes that a mount could turn"))
         if self.quaternion != "xyzw" and self.quantity != "orientation":
@@ -227,13 +275,12 @@ class MapTable(RunTable):
     """The whole of an import map."""
 
     format: Literal["flexarm-map/1"] = "flexarm-map/1"
-    kind: Literal["motion", "static"] = "motion"
     model: str | None = None
     signals: tuple[SignalMap, ...] = ()
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        found = [*references(self), *self._stamp_problems()]
+        found = [*references(self), *responses(self), *self._stamp_problems()]
         if not self.signals:
             found = [(("signals",), "is missing; a map needs at least one signal")]
         if found:
@@ -241,17 +288,25 @@ class MapTable(RunTable):
         return self
 
     def _stamp_problems(self) -> list[tuple[tuple[str | int, ...], str]]:
-        static = self.kind == "static"
+        static, ringing = self.kind == "static", self.kind == "frequency_response"
         found: list[tuple[tuple[str | int, ...], str]] = []
         for i, signal in enumerate(self.signals):
-            if not static and signal.time is None:
+            read = not (ringing and signal.input is None)
+            if signal.bare and read:
+                found.append((("signals", i, "source"), f"is missing; needed is {SOURCE}"))
+            elif self.kind == "motion" and signal.time is None:
                 what = 'is missing; needed is a column of stamps, "log" for the file\'s own, or { rate_hz = }'
                 found.append((("signals", i, "time"), what))
-            given = {"time": signal.time} if static else {"pose": signal.pose}
+            elif ringing and read and signal.frequency is None:
+                found.append((("signals", i, "frequency"), "is missing; needed is the column of frequencies"))
+            elif not read and not signal.bare:
+                what = "belongs to a response, which names its input; of an input nothing is read"
+                found.append((("signals", i, "source"), what))
             found += [
                 (("signals", i, key), f"does not belong to a record of kind {self.kind!r}")
-                for key, value in given.items()
-                if value is not None
+                for kind, keys in KEYS_OF_KIND.items()
+                for key in keys
+                if kind != self.kind and key in signal.model_fields_set
             ]
             if signal.spec.only_static and not static:
                 what = f'{signal.quantity} belongs to records of kind "static"'

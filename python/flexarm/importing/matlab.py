@@ -19,7 +19,7 @@ class MatFile(Tree):
         with self.path.open("rb") as file:
             newer = file.read(19) == b"MATLAB 7.3 MAT-file"
         found = dict(_of_hdf5(self.path) if newer else _of_v5(self.path))
-        self._arrays = {path: array for path, array in found.items() if array.dtype.kind in "fiub"}
+        self._arrays = {path: array for path, array in found.items() if array.dtype.kind in "fiubc"}
         return {path: array.shape for path, array in self._arrays.items()}
 
     def leaf(self, path: str) -> Array:
@@ -57,10 +57,14 @@ def _of_hdf5(path: Any) -> Iterator[tuple[str, Array]]:
         found: list[tuple[str, Array]] = []
 
         def visit(name: str, item: Any) -> None:
-            if isinstance(item, h5py.Dataset) and not name.startswith("#") and item.dtype.kind in "fiub":
+            if not isinstance(item, h5py.Dataset) or name.startswith("#"):
+                return
+            numbers = item.dtype.kind in "fiub"
+            if numbers or item.dtype.names == ("real", "imag"):
                 room(path, name, (item.size or 0) * item.dtype.itemsize)
                 if not item.attrs.get("MATLAB_empty", 0):
-                    found.append((name.replace("/", "."), np.squeeze(item[()].T)))
+                    array = item[()] if numbers else item["real"] + 1j * item["imag"]
+                    found.append((name.replace("/", "."), np.squeeze(array.T)))
 
         file.visititems(visit)
         yield from found

@@ -163,7 +163,8 @@ class Source(ABC):
             if len(array) != rows:
                 beside = "stamps" if time is not None else "values of the first column"
                 raise Unreadable("columns", f"{what} has {len(array)} values beside {rows} {beside}")
-            columns.append(as_numbers(array, lambda row: self.place(topic, row), what))
+            parts = (array.real, array.imag) if array.dtype.kind == "c" else (array,)
+            columns += [as_numbers(part, lambda row: self.place(topic, row), what) for part in parts]
         others = tuple(
             one_row(self.array(topic, index), pick, rows, f"column {column!r}")
             for key, column in request.others

@@ -18,6 +18,7 @@ from flexarm.arm.rotation import from_rpy
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 from flexarm.importing.formats import reader_of
+from flexarm.importing.frequency_response import check_frequencies, response_of
 from flexarm.importing.map_file import Dialect, Every, MapTable, SignalMap, read_map
 from flexarm.importing.source import Array, Request, Samples, Source, Unreadable
 from flexarm.importing.stamps import Stamps, as_date, origins, stamps_of
@@ -91,6 +92,12 @@ class _Importer:
         clocks = dict(self.table.clocks) or {"clock": Clock()}
         read: dict[int, tuple[Samples, Stamps]] = {}
         for i, signal in enumerate(self.table.signals):
+            if signal.bare:
+                read[i] = (
+                    Samples(np.empty((0, signal.spec.channels or len(signal.axes)))),
+                    Stamps(np.array([]), 1.0),
+                )
+                continue
             with self._blamed(i):
                 if (source := sources.get((signal.source, signal.csv))) is not None:
                     read[i] = self._read(signal, source)
@@ -176,6 +183,8 @@ class _Importer:
         """Return a reader for each file, which knows all that is asked of it."""
         asked: dict[tuple[str, Dialect], list[int]] = {}
         for i, signal in enumerate(self.table.signals):
+            if signal.bare:
+                continue
             asked.setdefault((signal.source, signal.csv), []).append(i)
         found = {}
         for (name, dialect), signals in asked.items():
@@ -212,7 +221,9 @@ class _Importer:
         def place(row: int) -> str:
             return source.place(signal.topic, int(rows[row]) if isinstance(rows, np.ndarray) else row)
 
-        if self.table.kind == "static":
+        if self.table.kind == "frequency_response":
+            check_frequencies(taken.others[0], place)
+        if self.table.kind != "motion":
             return taken, Stamps(np.array([]), 1.0)
         return taken, stamps_of(signal, taken, place)
 
@@ -227,6 +238,8 @@ class _Importer:
         elif static:
             pose = np.array([str(row + 1) for row in range(len(samples.values))])
         clock = table.clock or next(iter(origin), "")
+        if self.table.kind == "frequency_response":
+            return response_of(table, samples, self.table.signals, clock)
         return Signal(
             name=table.name,
             quantity=table.quantity,
@@ -253,6 +266,11 @@ class _Importer:
 def request_of(signal: SignalMap) -> Request:
     """Return what a signal asks of its source."""
     others: list[tuple[str, str | int]] = [] if signal.pose is None else [("pose", signal.pose)]
+    others += [
+        (key, column)
+        for key, column in (("frequency", signal.frequency), ("coherence", signal.coherence))
+        if column is not None
+    ]
     others += [("where", int(column) if column.isdigit() else column) for column in signal.where]
     return Request(
         signal.topic,

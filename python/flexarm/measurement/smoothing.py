@@ -12,8 +12,8 @@ noise there, is chi-square distributed with as many degrees of freedom as breaks
 Windows of 2, 4, 8, ... intervals up to the whole record are tested from narrow to wide; intervals that a
 narrow one explains are left out of the wider. A narrow window finds the sharp start of a move, a wide one a
 weak oscillation that lasts. Wherever E is above its limit for the false-alarm probability `ALARM`, breaks of
-step p are set; neighbouring intervals differ by about a factor of two. One last fit with all breaks gives f,
-which is constant in dwells of the samples (`knots_at_rest`).
+step p are set; neighbouring intervals differ by about a factor of two. One last fit, as wide as these breaks
+but without their own wave (`penalised_spline`), gives f, which is constant in dwells (`knots_at_rest`).
 
 No property of the arm enters, and noise passes only while the motion itself is as quick as the arm's modes.
 Drives are held before their first sample: the fit starts at rest unless the samples contradict that.
@@ -33,6 +33,7 @@ from flexarm import _core
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.knots_at_rest import place_knots_at_rest
 from flexarm.measurement.least_squares_spline import fit_spline
+from flexarm.measurement.penalised_spline import with_penalty
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -97,7 +98,9 @@ def smooth(
     layout = _layout(stamps.tobytes(), reading.tobytes(), float(noise_std))
     if layout is None:
         return interpolate(t, y)
-    return _pieces(fit_spline(t, y, *layout)[0])
+    breaks, at_rest, equal = layout
+    breaks, equal, penalty = with_penalty(t, breaks, equal)
+    return _pieces(fit_spline(t, y, breaks, at_rest, equal, penalty)[0])
 
 
 @lru_cache(maxsize=16)

@@ -20,8 +20,8 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.diagnosis.problem import Problem
+from flexarm.missing_law.basis import Basis, basis_of
 from flexarm.missing_law.policy import LawPolicy
-from flexarm.missing_law.windup import TimeBasis
 
 BASE = "base"
 """Place of the rotations."""
@@ -30,20 +30,20 @@ AXES = "xyz"
 
 def base_responses(
     problem: Problem, arm: Arm, policy: LawPolicy
-) -> Iterator[tuple[str, list[TimeBasis], Floats]]:
+) -> Iterator[tuple[str, list[Basis], Floats]]:
     """Yield axis, splines by record and (1), shape (n, m), of each axis that a signal shows."""
     turned = np.array([_turned(problem, arm, axis, policy.perturbation) for axis in np.eye(3)])
     least = policy.least_mode * float(np.linalg.norm(turned, axis=1).max())
     for axis, slopes in zip(AXES, turned, strict=True):
         if not np.linalg.norm(slopes) > least:
             continue
-        bases, blocks = [], []
+        bases: list[Basis] = []
+        blocks = []
         for name in problem.records:
             rows = list(problem.rows_of(name))
             if not rows:
                 continue
-            start, end = min(each.time[0] for each in rows), max(each.time[-1] for each in rows)
-            bases.append(TimeBasis.over(float(start), float(end), policy))
+            bases.append(basis_of(problem, name, policy))
             block = np.zeros((len(problem), len(bases[-1])))
             for each in rows:
                 block[each.where] = slopes[each.where, None] * bases[-1].at(each.time)  # eq. (1)

@@ -7,34 +7,34 @@ from dataclasses import replace
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.uncertainty import WITHIN
 from flexarm.law_curve import LawCurve
 from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.law import Law, LawSearch
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.refit import FittedLaw
 from flexarm.missing_law.shapes import closest_shape
+from flexarm.named_effects import NORMAL_90
 from flexarm.wording import with_unit
 
-OF_UNITS = {"torque": "N m", "angle": "rad", "rate": "rad/s", "motor_angle": "rad", "time": "s"}
+OF_UNITS = {"torque": "N m", "angle": "rad", "rate": "rad/s", "motor_angle": "rad"}
 """Units of the states of a revolute joint."""
 HAS = {"windup": "the windup of", "torque": "a torque lost at"}
 """How a sentence begins."""
 
 
 def curve_in_time(latent: Latent, probability: float) -> LawCurve:
-    """Return a latent motion of the first record, against time."""
+    """Return a latent motion of the first record, against time or the number of the pose."""
     basis = latent.bases[0]
     m = len(basis)
     at = basis.at(basis.places)
     value = at @ latent.mean[:m]
-    band = WITHIN * np.linalg.norm(at @ latent.root[:m], axis=1)
+    band = NORMAL_90 * np.linalg.norm(at @ latent.root[:m], axis=1)
     return LawCurve(
         latent.at,
         latent.quantity,
-        "time",
+        basis.of,
         latent.unit,
-        OF_UNITS["time"],
+        basis.of_unit,
         x=_numbers(basis.places),
         value=_numbers(value),
         low90=_numbers(value - band),
@@ -42,7 +42,7 @@ def curve_in_time(latent: Latent, probability: float) -> LawCurve:
         kind="time",
         instant_s=None,
         probability=probability,
-        says=f"the {latent.quantity} of {latent.at} is a function of time only",
+        says=f"the {latent.quantity} of {latent.at} is a function of {basis.of} only",
     )
 
 
@@ -75,8 +75,8 @@ def curve_of_law(latent: Latent, search: LawSearch, law: Law, policy: LawPolicy)
         of_unit,
         x=_numbers(xs),
         value=_numbers(mean),
-        low90=_numbers(mean - WITHIN * spread),
-        high90=_numbers(mean + WITHIN * spread),
+        low90=_numbers(mean - NORMAL_90 * spread),
+        high90=_numbers(mean + NORMAL_90 * spread),
         kind=law.kind,
         instant_s=law.instant[0] if law.instant else None,
         probability=1.0,
@@ -93,7 +93,7 @@ def curve_of_fit(curve: LawCurve, fitted: FittedLaw, policy: LawPolicy) -> LawCu
     x, value = np.array(law.x), np.array(law.value)
     covariance = fitted.root @ fitted.root.T
     shape = closest_shape(x, value, covariance, policy.shape_error, curve.unit, law.of, curve.of_unit)
-    band = WITHIN * np.sqrt(np.diag(covariance))
+    band = NORMAL_90 * np.sqrt(np.diag(covariance))
     says = _sentence(law.quantity, law.at, law.of, shape)
     return replace(
         curve,

@@ -2,10 +2,10 @@ r"""Latent motions: unknown functions of time at each place, with a Gaussian pro
 
 .. math:: r(c) \approx r + J c + J_x x + e, \quad c \sim N(0, s^2 K(\ell))                              (1)
 
-J is the linear response to spline coefficients c (`windup`), x are nuisance parameters and the found effects'
-own, with their priors. K is the Matern covariance of the places of the splines, a block a record. Size s,
-length l and noise maximise the marginal likelihood (`gaussian`). The residual about the mean of c is
-simulated again, J stays:
+J is the linear response to coefficients c of splines in time, or to one a pose (`windup`), x are nuisance
+parameters and the found effects' own, with their priors. K is the Matern covariance of the places of the
+splines, a block a record, and 1 for poses. Size s, length l and noise maximise the marginal likelihood
+(`gaussian`). The residual about the mean of c is simulated again, J stays:
 
 .. math:: r \leftarrow r(c) - J c                                                                       (2)
 
@@ -27,9 +27,10 @@ from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import Problem
 from flexarm.drive.doubts import slides
 from flexarm.missing_law.base import BASE, base_responses
-from flexarm.missing_law.gaussian import GaussianData, GaussianModel, matern_root
+from flexarm.missing_law.basis import Basis, TimeBasis, lengths_of
+from flexarm.missing_law.gaussian import GaussianData, GaussianModel
 from flexarm.missing_law.policy import LawPolicy
-from flexarm.missing_law.windup import TimeBasis, WindupResponse
+from flexarm.missing_law.windup import WindupResponse, driven_joints
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +46,12 @@ class Latent:
     model: GaussianModel
     """Eq. (1) with the motion."""
     length: float
-    """l of (1) [s]."""
+    """l of (1) [s]; 0 of poses."""
     mean: Floats
     root: Floats
     """Of c: posterior mean and a root of the covariance."""
-    bases: Sequence[TimeBasis]
-    """Splines of the coefficients, one after the other."""
+    bases: Sequence[Basis]
+    """Of the coefficients, one after the other."""
     response: WindupResponse | None = None
     """Linear response of a joint; None of a sensor."""
 
@@ -94,13 +95,14 @@ def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[La
             yield found
     for axis, bases, jacobian in base_responses(problem, arm, policy):
         yield _exact(BASE, f"rotation about {axis}", "rad", problem, fit, bases, jacobian, policy)
-    for signal in dict.fromkeys(rows.signal for rows in problem.rows):
+    motions = (rows for rows in problem.rows if problem.records[rows.record].kind == "motion")
+    for signal in dict.fromkeys(rows.signal for rows in motions):  # free in each pose, an offset is noise
         yield _offset(signal, problem, fit, policy)
 
 
 def _likely_joints(problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> list[str]:
     """Return the driven joints; of many those whose coarse latent motion is the most likely."""
-    names = {joint for name in problem.records for joint in problem.simulations.drive(name, arm).joints}
+    names = {joint for name in problem.records for joint in driven_joints(problem, arm, name)}
     joints = [each.name for each in arm.moving_joints if each.name in names]
     if len(joints) <= policy.most_joints:
         return joints
@@ -133,24 +135,22 @@ def _inferred(
     jacobian = response.jacobian / scale[:, None]
     residual = fit.residual / scale
     data = GaussianData(-residual, projection)
-    places = [basis.places for basis in response.bases.values()]
+    bases = list(response.bases.values())
     for round_ in range(policy.linearisations + 1):
-        model, mean, deviation, length = _most_likely(data, jacobian, places, policy)
+        model, mean, deviation, length = _most_likely(data, jacobian, bases, policy)
         if round_ < policy.linearisations:
             moved = response.moved(mean) / scale
             data = GaussianData(-(residual + moved - jacobian @ mean), projection)  # eq. (2)
-    return Latent(
-        at, quantity, unit, data, model, length, mean, deviation, list(response.bases.values()), response
-    )
+    return Latent(at, quantity, unit, data, model, length, mean, deviation, bases, response)
 
 
 def _most_likely(
-    data: GaussianData, jacobian: Floats, places: Sequence[Floats], policy: LawPolicy
+    data: GaussianData, jacobian: Floats, bases: Sequence[Basis], policy: LawPolicy
 ) -> tuple[GaussianModel, Floats, Floats, float]:
     """Return (1) with the most likely length, mean and root of the covariance of c, and that length."""
     found = []
-    for length in policy.lengths:
-        root = block_diag(*(matern_root(each, length) for each in places))
+    for length in lengths_of(bases, policy):
+        root = block_diag(*(basis.root(length) for basis in bases))
         found.append((GaussianModel.of(data, jacobian @ root), root, length))
     model, root, length = max(found, key=lambda each: each[0].log_evidence)
     root = root * size_of(model, jacobian @ root)
@@ -169,21 +169,24 @@ def _exact(
     unit: str,
     problem: Problem,
     fit: Fit,
-    bases: Sequence[TimeBasis],
+    bases: Sequence[Basis],
     jacobian: Floats,
     policy: LawPolicy,
 ) -> Latent:
     """Return the latent motion of a place whose response is linear; jacobian has shape (n, m)."""
     scale = noise_scale(problem, fit)
     data = GaussianData(-fit.residual / scale, nuisance_projection(problem, fit))
-    places = [basis.places for basis in bases]
-    model, mean, deviation, length = _most_likely(data, jacobian / scale[:, None], places, policy)
+    model, mean, deviation, length = _most_likely(data, jacobian / scale[:, None], bases, policy)
     return Latent(at, quantity, unit, data, model, length, mean, deviation, bases)
 
 
 def _offset(signal: str, problem: Problem, fit: Fit, policy: LawPolicy) -> Latent:
     """Return the offset of a sensor, a function of time for each channel and record."""
-    rows = [each for each in problem.rows if each.signal == signal]
+    rows = [
+        each
+        for each in problem.rows
+        if each.signal == signal and problem.records[each.record].kind == "motion"
+    ]
     bases = [TimeBasis.over(float(each.time[0]), float(each.time[-1]) + 1e-6, policy) for each in rows]
     blocks = np.cumsum([0, *map(len, bases)])
     jacobian = np.zeros((len(problem), blocks[-1]))

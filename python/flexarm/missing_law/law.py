@@ -123,14 +123,17 @@ def _interpolation(y: Floats, knots: Floats) -> csr_matrix:
 
 
 def blocks_of(problem: Problem, policy: LawPolicy) -> list[NDArray[np.intp]]:
-    """Return rows of blocks of time, all signals of a record together."""
+    """Return rows of blocks of time, or of every so manieth pose, all signals of a record together."""
     found = []
     for name in problem.records:
         rows = list(problem.rows_of(name))
         time = np.concatenate([each.time for each in rows])
         place = np.concatenate([np.arange(each.where.start, each.where.stop) for each in rows])
-        edges = np.linspace(time.min(), time.max(), policy.blocks + 1)[1:-1]
-        number = np.searchsorted(edges, time)
+        if problem.records[name].kind == "static":
+            number = np.rint(time).astype(int) % policy.blocks
+        else:
+            edges = np.linspace(time.min(), time.max(), policy.blocks + 1)[1:-1]
+            number = np.searchsorted(edges, time)
         found += [place[number == k] for k in range(policy.blocks) if np.any(number == k)]
     return found
 
@@ -247,6 +250,8 @@ class LawSearch:
 
     def _of(self, of: str) -> Law:
         chosen = self.law(of)
+        if "rate" not in self.states.values:  # poses: no sense of motion, and no instants
+            return chosen
         length = max(self.policy.curve_lengths)
         for other in (self.with_memory(of), self.change(of, length)):
             if (

@@ -33,6 +33,8 @@ class LawPolicy:
     """Density a of knots at zero of rate or torque [-]: at the ends they are cosh a as far apart."""
     curve_lengths: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0)
     """Correlation lengths of a curve over the range of its state [-]."""
+    least_range: float = 1e-6
+    """Range of a state over the greatest value of its kind in the arm [-] below which it is rounding."""
     samples: int = 8
     """States for each interval of knots in time [1]: what changes its sign does so at an instant."""
     blocks: int = 8

@@ -75,15 +75,13 @@ def _runs(
     latent: Latent, law: Law, runs: SimulationCache, name: str, number: int, policy: LawPolicy
 ) -> tuple[Any, Any]:
     """Return the runs of a record without and with a law."""
-    from flexarm.missing_law.windup import TimeBasis
+    from flexarm.missing_law.basis import TimeBasis
 
     assert latent.response is not None
     arm, joint = latent.response.arm, latent.at
     plain = run = runs.beside(name, arm).simulation
     drive = runs.drive(name, runs.records[name].applied_to(arm)).joints[joint]
-    count = max(int((run.time[-1] - run.time[0]) / np.diff(latent.bases[0].places).max()), 4)
-    edges = np.linspace(run.time[0], run.time[-1], count + 1)
-    basis = TimeBasis(np.concatenate([[edges[0]] * 3, edges, [edges[-1]] * 3]))
+    basis = TimeBasis.over(float(run.time[0]), float(run.time[-1]), policy)
     fine = basis.fine(policy)
     window = max(int(policy.window / float(np.median(np.diff(run.time)))), 1)
     for _ in range(policy.rounds):

@@ -37,7 +37,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.parameters import members_at
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.uncertainty import WITHIN, Estimates, estimates_at
+from flexarm.diagnosis.uncertainty import Estimates, estimates_at
 from flexarm.effects.tabulated_law import TabulatedLaw
 from flexarm.missing_law.gaussian import GaussianData, GaussianModel
 from flexarm.missing_law.latent import noise_scale, nuisance_projection, size_of
@@ -302,7 +302,7 @@ class _Linearised:
         sizes = estimates_at(fit, step.mixture.deviation)
         spread = np.linalg.norm(root, axis=1)
         knots = tuple(
-            Estimate(name, value, std, value - WITHIN * std, value + WITHIN * std, unit)
+            Estimate.normal(name, value, std, unit)
             for (name, value, unit), std in zip(law.parameters(), spread.tolist(), strict=True)
         )
         return FittedLaw(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -21,13 +22,17 @@ from flexarm.law_curve import LawCurve, LawKind
 from flexarm.missing_law.base import BASE
 from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.curves import as_torque, curve_in_time, curve_of_fit, curve_of_law, stiffness_of
-from flexarm.missing_law.latent import Latent, latent_motions
+from flexarm.missing_law.latent import Latent, latent_motions, noise_scale
 from flexarm.missing_law.law import Law, LawSearch
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.prediction import gaps_with_law
 from flexarm.missing_law.refit import FittedLaw, fitted_law
 from flexarm.missing_law.states import joint_states
+from flexarm.missing_law.windup import driven_joints
 
+NOTHING = (
+    "no missing law was found: no motion of a joint, of the base or of a sensor is more likely than noise"
+)
 STATELESS = ("time", "none")
 """Kinds that are no function of a state."""
 
@@ -60,6 +65,13 @@ class MissingLaws:
     """The most probable first."""
     added: AddedLaw | None = None
     """The first of them that is a table of the model and foretells what was held out."""
+    why: str = ""
+    """Why there are none; empty if there are some."""
+
+    @property
+    def has_state(self) -> bool:
+        """Return True if a curve is a function of a state."""
+        return any(each.kind not in STATELESS for each in self.curves)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,25 +95,56 @@ def missing_laws(
 ) -> MissingLaws:
     """Return the laws that explain what a fitted model leaves, the most probable first.
 
-    Of `fits`, models that leave a gap, the simplest first, the first that a function of a state completes is
-    taken, or the last one. Records must be motions along drives; of others nothing is inferred. The result is
-    empty if no latent motion is more likely than none by `policy.evidence`.
+    Of `fits`, models that leave a gap, the simplest first, the first to which a law is added is taken, else
+    the most likely one that a function of a state completes, or the last one. Records must be motions along
+    drives or poses; of others nothing is inferred. The result is empty if no latent motion is more likely
+    than none by `policy.evidence`.
     """
     policy = policy or LawPolicy()
-    found: list[_Told] = []
+    if why := not_inferred(estimator.problem, fits[0].nuisance.arm):
+        return MissingLaws(why=why)
+    tried: list[MissingLaws] = []
+    evidence: list[float] = []
     for fit in fits:
-        found = _About(estimator, fit, check, policy).laws()
-        if any(each.curve.kind not in STATELESS for each in found):
-            break
-    fitted = (each for each in found if each.added is not None)
-    added = next((each.added for each in fitted if check.accepts(each.curve.held_out, policy)), None)
-    return MissingLaws(tuple(each.curve for each in found), added)
+        about = _About(estimator, fit, check, policy)
+        found = [_as_foretold(each) for each in about.laws()]
+        fitted = (each for each in found if each.added is not None)
+        added = next((each.added for each in fitted if check.accepts(each.curve.held_out, policy)), None)
+        tried.append(MissingLaws(tuple(each.curve for each in found), added))
+        if added is not None:
+            return tried[-1]
+        evidence.append(about.evidence)
+    if not any(each.curves for each in tried):
+        return MissingLaws(why=NOTHING)
+    likely = sorted(range(len(tried)), key=lambda k: -evidence[k])
+    return next((tried[k] for k in likely if tried[k].has_state), tried[-1])
 
 
-def replaced_effects(laws: MissingLaws, best: Fit) -> tuple[str, ...]:
-    """Return a remark if the updated model has a law in place of effects that explain a part of the gap."""
+def _as_foretold(told: _Told) -> _Told:
+    """Return a law as none if the gap that was held out grows with it."""
+    gap = told.curve.held_out
+    if gap.before_rms is None or gap.after_rms is None or gap.after_rms <= gap.before_rms:
+        return told
+    says = f"{told.curve.says}, but with it the held-out gap grows"
+    return _Told(replace(told.curve, kind="none", says=says))
+
+
+def not_inferred(problem: Problem, arm: Arm) -> str:
+    """Return why nothing is inferred from records; empty if something is."""
+    from flexarm.comparison.free_vibration import rings_freely
+
+    for name, record in problem.records.items():
+        if record.kind == "motion" and rings_freely(record):
+            return f"no missing law was sought: {name} is a free vibration, which no motor's angle drives"
+        if not driven_joints(problem, arm, name):
+            return f"no missing law was sought: {name} turns no joint by the angle of its motor"
+    return ""
+
+
+def law_remarks(laws: MissingLaws, best: Fit) -> tuple[str, ...]:
+    """Return why no law was sought, or that one replaces effects that explain a part of the gap."""
     if laws.added is None:
-        return ()
+        return (laws.why,) if laws.why else ()
     left = [f"{name} at {at}" for name, at in best.places if (name, at) not in laws.added.fitted.fit.places]
     law = laws.added.fitted.law
     said = f"the updated model has the law of {law.at} in place of {', '.join(left)}"
@@ -121,16 +164,26 @@ class _About:
     def problem(self) -> Problem:
         return self.estimator.problem
 
-    def laws(self) -> list[_Told]:
-        """Return the laws of the places that explain alike."""
-        if not self._applies():
-            return []
+    @cached_property
+    def latents(self) -> list[Latent]:
+        """Latent motions of all places that the time allows."""
         found = []
         for latent in latent_motions(self.problem, self.fit, self.policy):
             found.append(latent)
             if not allows("all places of a missing law were tried"):
                 break
-        known = [each for each in found if each.gain > self.policy.evidence]
+        return found
+
+    @property
+    def evidence(self) -> float:
+        """Log evidence of the likeliest latent motion; effects' parameters cost as in BIC [Schwarz1978]."""
+        scale = float(np.sum(np.log(noise_scale(self.problem, self.fit))))
+        cost = 0.5 * len(self.fit.z) * float(np.log(len(self.problem))) + scale
+        return max((each.model.log_evidence for each in self.latents), default=-np.inf) - cost
+
+    def laws(self) -> list[_Told]:
+        """Return the laws of the places that explain alike."""
+        known = [each for each in self.latents if each.gain > self.policy.evidence]
         if not known:
             return []
         thresholds = self.problem.policy
@@ -145,17 +198,6 @@ class _About:
         laws.sort(key=lambda each: each.curve.kind in STATELESS)
         return laws[: self.policy.most_laws]
 
-    def _applies(self) -> bool:
-        """Return True if all records are motions along angles of motors."""
-        from flexarm.comparison.free_vibration import rings_freely
-
-        problem = self.problem
-        if any(record.kind != "motion" or rings_freely(record) for record in problem.records.values()):
-            return False
-        arm = self.fit.nuisance.arm
-        drives = (problem.simulations.drive(name, arm) for name in problem.records)
-        return all(joint.side == "motor" for drive in drives for joint in drive.joints.values())
-
     def _of_place(self, latent: Latent, probability: float) -> list[_Told]:
         """Return the laws of a place: the best state's, and a torque that acts as its windup does."""
         in_time = curve_in_time(latent, probability)
@@ -164,7 +206,9 @@ class _About:
             says = f"the {latent.quantity} of {latent.at} explains the gap; it is no part of the model"
             return [_Told(replace(in_time, kind="time" if slow else "none", says=says))]
         search = LawSearch(latent, joint_states(latent, self.policy), self.problem, self.fit, self.policy)
-        best = search.best()[0]
+        best = next(iter(search.best()), None)
+        if best is None:
+            return [_Told(replace(in_time, kind="none", says=f"no state of {latent.at} changes"))]
         in_blocks = latent.model.predictive(search.blocks)
         share = search.share(best)
         foretells = best.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share

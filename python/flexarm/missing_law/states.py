@@ -12,10 +12,11 @@ from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.policy import LawPolicy
 
 if TYPE_CHECKING:
+    from flexarm.comparison.pose_sequence import PoseSequence
     from flexarm.simulation import Simulation
 
-STATES = ("torque", "angle", "rate", "motor_angle")
-"""Names of the states; the motor's angle is that within a turn."""
+ARRAYS = {"torque": "joint_torque", "angle": "joint_angle", "rate": "joint_rate"}
+"""Arrays of a run that states are read from, by name; one more is the motor's angle within a turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +26,9 @@ class States:
     record: np.ndarray
     """Number of the record, shape (m,)."""
     time: Floats
-    """Instants [s], shape (m,)."""
+    """Instants [s] or numbers of poses, shape (m,)."""
     values: dict[str, Floats]
-    """Each state, shape (m,)."""
+    """Each state that changes, shape (m,); poses have no rate, joints that no drive turns only a torque."""
 
     @property
     def rising(self) -> np.ndarray:
@@ -35,14 +36,16 @@ class States:
         return np.asarray(self.values["rate"] >= 0)
 
 
-def states_of(run: Simulation, joint: str, time: Floats, gear_ratio: float | None) -> dict[str, Floats]:
+def states_of(
+    run: Simulation | PoseSequence, joint: str, time: Floats, gear_ratio: float | None
+) -> dict[str, Floats]:
     """Return the states of a joint at instants."""
     k = [each.name for each in run.arm.moving_joints].index(joint)
 
     def at(values: Floats) -> Floats:
         return np.interp(time, run.time, values[:, k])
 
-    found = {"torque": at(run.joint_torque), "angle": at(run.joint_angle), "rate": at(run.joint_rate)}
+    found = {state: at(getattr(run, array)) for state, array in ARRAYS.items()}
     if gear_ratio is not None:
         turn = at(run.drive_angle) * gear_ratio
         step = np.abs(np.diff(turn))
@@ -58,16 +61,26 @@ def joint_states(latent: Latent, policy: LawPolicy) -> States:
     joint = response.arm.joint(latent.at)
     parts = response.parts(latent.mean)
     found: dict[str, list[Floats]] = {}
+    greatest = dict.fromkeys(ARRAYS, 0.0)
+    drive: list[Floats] = []
+    k = [each.name for each in response.arm.moving_joints].index(latent.at)
     times = [basis.fine(policy) for basis in response.bases.values()]
     for (name, basis), time in zip(response.bases.items(), times, strict=True):
         run = response.run(name, parts[name]).simulation
         followed = states_of(run, latent.at, basis.places, joint.gear_ratio)
+        drive.append(response.problem.simulations.beside(name, response.arm).simulation.drive_angle[:, k])
+        for key, array in ARRAYS.items():
+            greatest[key] = max(greatest[key], float(np.abs(getattr(run, array)).max()))
         for key, values in states_of(run, latent.at, time, joint.gear_ratio).items():
             if key in followed:
                 found.setdefault(key, []).append(values)
     count = len(response.bases)
+    joined = {key: np.concatenate(each) for key, each in found.items() if len(each) == count}
+    least = {key: policy.least_range * value for key, value in greatest.items()}
+    if np.ptp(np.concatenate(drive)) <= least["angle"]:  # the link's angle is the windup itself
+        joined = {key: each for key, each in joined.items() if key == "torque"}
     return States(
         np.repeat(np.arange(count), [len(time) for time in times]),
         np.concatenate(times),
-        {key: np.concatenate(each) for key, each in found.items() if len(each) == count},
+        {key: each for key, each in joined.items() if np.ptp(each) > least.get(key, 0.0)},
     )

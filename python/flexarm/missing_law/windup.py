@@ -10,7 +10,8 @@ so that a run along phi + w has it. w is a cubic B-spline in each record [deBoor
 .. math:: w(t) = \sum_j c_j B_j(t), \qquad
           \partial r/\partial c_j = (r(\varphi + \varepsilon B_j) - r(\varphi))/\varepsilon            (2)
 
-A torque f that the joint loses is the windup w = -f/k. Runs of (2) take a longer time step; residuals about a
+In poses w is a number for each, and one run turns the joint in all of them: no pose moves another one. A
+torque f that the joint loses is the windup w = -f/k. Runs of (2) take a longer time step; residuals about a
 latent motion are simulated with the step of the problem.
 """
 
@@ -30,62 +31,12 @@ from flexarm.budget import allows
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.diagnosis.problem import Problem
 from flexarm.drive import JointDrive
+from flexarm.missing_law.basis import Basis, PoseBasis, basis_of
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.threads import at_once
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
-
-DEGREE = 3
-"""Degree of the B-splines."""
-
-
-@dataclass(frozen=True, eq=False)
-class TimeBasis:
-    """Cubic B-splines over the time of a record."""
-
-    knots: Floats
-    """With their ends repeated [s], shape (m + 4,)."""
-
-    @classmethod
-    def over(cls, start: float, end: float, policy: LawPolicy) -> TimeBasis:
-        """Return splines from start to end [s]."""
-        count = int(np.clip((end - start) / policy.spacing, 4, policy.most_knots))
-        inner = np.linspace(start, end, count + 1)
-        return cls(np.concatenate([[start] * DEGREE, inner, [end] * DEGREE]))
-
-    def __len__(self) -> int:
-        """Return the number of coefficients m."""
-        return len(self.knots) - DEGREE - 1
-
-    @property
-    def places(self) -> Floats:
-        """Greville abscissae, where coefficients act, shape (m,) [s]."""
-        m = len(self)
-        return np.asarray(np.mean([self.knots[1 + k : 1 + k + m] for k in range(DEGREE)], axis=0))
-
-    def at(self, time: Floats) -> Floats:
-        """Return B_j(t), shape (n, m); held outside."""
-        from scipy.interpolate import BSpline
-
-        inside = np.clip(time, self.knots[0], self.knots[-1])
-        return np.asarray(BSpline.design_matrix(inside, self.knots, DEGREE).toarray())
-
-    def fine(self, policy: LawPolicy) -> Floats:
-        """Return instants that sample each interval of knots [s]."""
-        count = policy.samples * (len(self) - DEGREE)
-        return np.linspace(self.knots[0], self.knots[-1], count + 1)
-
-    def nearest(self, time: Floats, values: Floats) -> Floats:
-        """Return coefficients of the splines nearest to values at instants, in the mean square."""
-        at = self.at(time)
-        return np.asarray(np.linalg.solve(at.T @ at, at.T @ values))
-
-    def polynomial(self, coefficients: Floats) -> PPoly:
-        """Return w as a piecewise polynomial."""
-        from scipy.interpolate import BSpline, PPoly
-
-        return PPoly.from_spline(BSpline(self.knots, coefficients, DEGREE))
 
 
 def added(drive: JointDrive, extra: PPoly) -> JointDrive:
@@ -121,7 +72,7 @@ class WindupResponse:
     arm: Arm
     joint: str
     """Whose; the model is that of the diagnosis."""
-    bases: Mapping[str, TimeBasis]
+    bases: Mapping[str, Basis]
     """By record; coefficients of all records follow one another."""
     jacobian: Floats
     """Derivatives of the residual by all coefficients, shape (n, m)."""
@@ -130,22 +81,33 @@ class WindupResponse:
     def of(cls, problem: Problem, arm: Arm, joint: str, policy: LawPolicy) -> WindupResponse | None:
         """Simulate (2), `jobs` runs at once; None if the time for it ends."""
         coarse = problem.with_step(policy.response_step)
-        bases = {name: _basis(problem, arm, name, policy) for name in problem.records}
+        bases = {
+            name: basis_of(problem, name, policy, start_of(problem, arm, name)) for name in problem.records
+        }
         first = dict(zip(bases, np.cumsum([0, *map(len, bases.values())]), strict=False))
         found = np.zeros((len(problem), sum(map(len, bases.values()))))
         nothing = coarse.residual(arm)
 
         def column(which: tuple[str, int]) -> None:
             name, j = which
-            unit = policy.perturbation * np.eye(len(bases[name]))[j]
+            basis = bases[name]
+            poses = isinstance(basis, PoseBasis)
+            unit = policy.perturbation * (np.ones(len(basis)) if poses else np.eye(len(basis))[j])
             after = nothing.copy()
-            pair = coarse.simulations.driven(
-                name, arm, {joint: wound(coarse, arm, name, joint, bases[name].polynomial(unit))}
-            )
-            coarse.put(after, name, pair)
-            found[:, first[name] + j] = (after - nothing) / policy.perturbation  # eq. (2)
+            coarse.put(after, name, wound_run(coarse, arm, name, joint, basis, unit))
+            change = (after - nothing) / policy.perturbation  # eq. (2)
+            if not poses:
+                found[:, first[name] + j] = change
+                return
+            for rows in coarse.rows_of(name):
+                row = np.arange(rows.where.start, rows.where.stop)
+                found[row, first[name] + np.rint(rows.time).astype(int)] = change[rows.where]
 
-        runs = [which for name, basis in bases.items() for which in product([name], range(len(basis)))]
+        runs = [
+            which
+            for name, basis in bases.items()
+            for which in product([name], range(1 if isinstance(basis, PoseBasis) else len(basis)))
+        ]
         batch = policy.batch * problem.jobs
         for k in range(0, len(runs), batch):
             if not allows(f"the missing motion of {joint} was sought"):
@@ -169,20 +131,34 @@ class WindupResponse:
 
     def run(self, name: str, coefficients: Floats) -> SimulatedRecord:
         """Return the run of a record with a latent motion."""
-        extra = self.bases[name].polynomial(coefficients)
-        drive = wound(self.problem, self.arm, name, self.joint, extra)
-        return self.problem.simulations.driven(name, self.arm, {self.joint: drive})
+        return wound_run(self.problem, self.arm, name, self.joint, self.bases[name], coefficients)
 
 
-def wound(problem: Problem, arm: Arm, name: str, joint: str, extra: PPoly) -> JointDrive:
-    """Return the drive of a joint in a record with a windup on it."""
+def driven_joints(problem: Problem, arm: Arm, name: str) -> set[str]:
+    """Return the joints whose motor a record turns, in poses also those that stand still."""
+    record = problem.records[name]
+    if record.kind == "static":
+        drives = (record.signals[each] for each in record.drive)
+        known = {each.joint for each in drives if each.side == "output"}
+        return {each.name for each in arm.moving_joints} - known
+    joints = problem.simulations.drive(name, arm).joints
+    return {joint for joint, drive in joints.items() if drive.side == "motor"}
+
+
+def start_of(problem: Problem, arm: Arm, name: str) -> float:
+    """Return when the drive of a motion starts [s]; of poses infinity."""
+    record = problem.records[name]
+    if record.kind == "static":
+        return np.inf
+    return problem.simulations.drive(name, record.applied_to(arm)).start
+
+
+def wound_run(
+    problem: Problem, arm: Arm, name: str, joint: str, basis: Basis, coefficients: Floats
+) -> SimulatedRecord:
+    """Return the run of a record with a windup on a joint's drive."""
+    if isinstance(basis, PoseBasis):
+        return problem.simulations.turned(name, arm, joint, coefficients)
     drive = problem.simulations.drive(name, problem.records[name].applied_to(arm))
-    return added(drive.joints[joint], extra)
-
-
-def _basis(problem: Problem, arm: Arm, name: str, policy: LawPolicy) -> TimeBasis:
-    """Return splines over the rows of a record."""
-    times = [rows.time for rows in problem.rows_of(name)]
-    drive = problem.simulations.drive(name, problem.records[name].applied_to(arm))
-    start = min([drive.start, *(float(t[0]) for t in times)])
-    return TimeBasis.over(start, max(float(t[-1]) for t in times), policy)
+    wound = added(drive.joints[joint], basis.polynomial(coefficients))
+    return problem.simulations.driven(name, arm, {joint: wound})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +21,7 @@ from flexarm.record.workspace import predicted_places, workspace_radius
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
+    from flexarm.arm.effect import Effect
     from flexarm.record.record import Record
     from flexarm.record.signal import Signal
 
@@ -109,8 +110,8 @@ def with_overrides(record: Record, arm: Arm) -> Arm:
         if name not in loads:
             raise InvalidParameter(missing("payload", name, loads), where=f"payloads.{name}")
         loads[name] = loads[name].replace(**carried.to_plain())
-    masses = {name: carried.mass for name, carried in record.payloads.items() if carried.mass is not None}
-    return with_payload_masses(arm.replace(payloads=tuple(loads.values())), masses)
+    weighed = {name for name, carried in record.payloads.items() if carried.mass is not None}
+    return arm.replace(payloads=tuple(loads.values()), effects=_effects_beside(arm, weighed))
 
 
 def _set(arm: Arm, record: Record) -> Arm:
@@ -132,8 +133,12 @@ def with_payload_masses(arm: Arm, masses: Mapping[str, float]) -> Arm:
     if not masses:
         return arm
     loads = (load.replace(mass=masses[load.name]) if load.name in masses else load for load in arm.payloads)
-    effects = (e for e in arm.effects if not (e.name == "payload_mass" and e.at in masses))
-    return arm.replace(payloads=tuple(loads), effects=tuple(effects))
+    return arm.replace(payloads=tuple(loads), effects=_effects_beside(arm, masses))
+
+
+def _effects_beside(arm: Arm, weighed: Container[str]) -> tuple[Effect, ...]:
+    """Return the effects of an arm without the masses of payloads that were weighed."""
+    return tuple(e for e in arm.effects if not (e.name == "payload_mass" and e.at in weighed))
 
 
 def _positions(record: Record, arm: Arm) -> Iterable[Problem]:

@@ -21,7 +21,7 @@ def inconsistencies(record: RecordTable) -> list[tuple[Path, str]]:
     """Return pairs of place and sentence for all that does not fit."""
     if not record.signals:
         return [(("signals",), "is missing; a record needs at least one signal")]
-    return [*references(record), *_responses(record), *_files(record), *_stamps(record)]
+    return [*references(record), *responses(record), *_files(record), *_stamps(record)]
 
 
 def references(run: Any) -> Found:
@@ -103,8 +103,8 @@ INPUTS = ("force", "motor_torque", "joint_angle")
 """Quantities to which a frequency response may be."""
 
 
-def response_unit(table: SignalTable, to: SignalTable) -> tuple[str, float]:
-    """Return the SI unit of a frequency response and the factor to it.
+def response_unit(table: Any, to: Any) -> tuple[str, float]:
+    """Return the SI unit of a frequency response and the factor to it, from the tables of both signals.
 
     Raises
     ------
@@ -115,7 +115,8 @@ def response_unit(table: SignalTable, to: SignalTable) -> tuple[str, float]:
     return f"{above}/({below})" if " " in below or "/" in below else f"{above}/{below}", factor
 
 
-def _responses(record: RecordTable) -> Found:
+def responses(record: Any) -> Found:
+    """Yield what is wrong with the inputs and units of frequency responses, in a table with its `signals`."""
     signals = {signal.name: signal for signal in record.signals}
     ringing = record.kind == "frequency_response"
     if ringing and record.drive:

@@ -23,6 +23,7 @@ from flexarm.arguments import (
     takes,
 )
 from flexarm.arm.consistency import missing
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.signal import Signal
 from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
@@ -220,6 +221,10 @@ class Record:
     def frame_of(self, signal: Signal) -> Frame:
         """Return the frame of a signal; the base's own is exact."""
         return self.frames.get(signal.frame, Frame())
+
+    def instants(self, signal: Signal) -> Floats:
+        """Return the stamps of a signal less how late its clock is stated to be [s], shape (n,)."""
+        return signal.time - self.clocks[signal.clock].offset
 
     @property
     def poses(self) -> tuple[str, ...]:

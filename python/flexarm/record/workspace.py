@@ -85,13 +85,9 @@ def _rows_at(record: Record, instants: Floats) -> dict[str, NDArray[np.intp]]:
     """Return the last row of each drive before each instant, or its first."""
     found = {}
     for name, rows in _drives(record).items():
-        at = np.searchsorted(_true(record, record.signals[name])[rows], instants, side="right") - 1
+        at = np.searchsorted(record.instants(record.signals[name])[rows], instants, side="right") - 1
         found[name] = rows[at.clip(0)]
     return found
-
-
-def _true(record: Record, signal: Signal) -> Floats:
-    return signal.time - record.clocks[signal.clock].offset
 
 
 def _late(record: Record, signal: Signal) -> list[float]:
@@ -99,7 +95,7 @@ def _late(record: Record, signal: Signal) -> list[float]:
     clock = record.clocks[signal.clock]
     if not clock.unknown:
         return [clock.offset + k * SURE * clock.sigma for k in (0, -1, 1)]
-    drives = [_true(record, record.signals[name])[rows] for name, rows in _drives(record).items()]
+    drives = [record.instants(record.signals[name])[rows] for name, rows in _drives(record).items()]
     first, last = min((t[0] for t in drives), default=0.0), max((t[-1] for t in drives), default=0.0)
     return [float(signal.time[0] - first), float(signal.time[-1] - last)]
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from flexarm.named_effects import NORMAL_90
 from flexarm.netcdf import save
 from flexarm.output import PAGE, stems, write_file
 from flexarm.report.diagnosis_page import page
@@ -157,7 +158,7 @@ def _head(d: Diagnosis) -> Iterator[str]:
     if changed:
         yield "refined within the stated uncertainty, with 90 % intervals:"
     for each in changed:
-        value, half, unit = each.refined.value, 1.645 * each.refined.std, each.refined.unit
+        value, half, unit = each.refined.value, NORMAL_90 * each.refined.std, each.refined.unit
         ends = f", {_plain(value - half)} to {_plain(value + half)}" if isfinite(half) else ""
         change = f"{_plain(each.refined.nominal)} -> {_plain(value)}"
         yield f"  {each.refined.parameter}: {change}{ends} {unit}".rstrip()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.named_effects import NORMAL_90
 from flexarm.report.gap_curves import AFTER, along, draw, label, sides, worst
 from flexarm.report.sheets import BOTTOM, LEFT, TOP, legend_below, margin_for, sheet, write_beside
 from flexarm.report.state_figures import draw_of_effect
@@ -96,7 +97,7 @@ def draw_constancy(ax: Axes, d: Diagnosis, entry: Any) -> None:
         ax.axvspan(factor * joint.low90, factor * joint.high90, color=RIVAL, alpha=0.35, lw=0)
         ax.axvline(factor * joint.value, color=AFTER, lw=0.8)
     for i, (value, std) in enumerate(values.values()):
-        spread = 1.645 * factor * std if np.isfinite(std) else 0.0
+        spread = NORMAL_90 * factor * std if np.isfinite(std) else 0.0
         colour = "black" if entry.get("constant", True) else DRIFTS
         ax.errorbar([factor * value], [i], xerr=[spread], fmt="o", ms=4, capsize=3, color=colour)
     moves = "" if entry.get("constant", True) else f": moves with {entry.get('moves_with') or 'the record'}"

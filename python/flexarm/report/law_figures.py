@@ -37,8 +37,11 @@ def draw_law(ax: Axes, law: LawCurve) -> None:
     if law.cloud_x:
         cloud = factor * np.array(law.cloud_value)
         ax.plot(law.cloud_x, cloud, ".", ms=2, color=BEFORE, label="latent motion")
-    ax.fill_between(law.x, low, high, alpha=0.3, color=AFTER, lw=0, label="90 % band")
-    ax.plot(law.x, value, color=AFTER, label="curve")
+    if law.of == "pose":  # in no order
+        ax.errorbar(law.x, value, (value - low, high - value), fmt=".", color=AFTER, label="90 % interval")
+    else:
+        ax.fill_between(law.x, low, high, alpha=0.3, color=AFTER, lw=0, label="90 % band")
+        ax.plot(law.x, value, color=AFTER, label="curve")
     ax.set_xlabel(f"{law.of.replace('_', ' ')} [{law.of_unit}]")
     ax.set_ylabel(f"{law.quantity} [{unit}]")
     ax.set_title(f"{law.at}: {law.kind}")

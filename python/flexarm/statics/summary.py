@@ -18,15 +18,16 @@ def summary(found: Statics) -> str:
     else:
         lines.append("no points: the model has no [[points]] whose position and sag could be told")
     for i, name in enumerate(found.points):
-        where = "".join(f"{value:12.6f}" for value in found.position[i])
-        moved = ", ".join(f"{1e3 * value:.4f}" for value in found.displacement[i])
+        where = "".join(f"{_fixed(value, 6):>12}" for value in found.position[i])
+        moved = _text(1e3 * found.displacement[i])
         lines.append(f"{name:<16}{where}{moved:>34}")
     slides = any(joint.type == "prismatic" for joint in found.arm.joints)
     angle, torque = ("[rad, m]", "[N m, N]") if slides else ("[rad]", "[N m]")
     lines.append(f"{'joint':<16}{f'drive {angle}':>16}{f'link {angle}':>16}{f'torque {torque}':>18}")
     for i, name in enumerate(found.joints):
         lines.append(
-            f"{name:<16}{found.drive_angle[i]:16.8f}{found.link_angle[i]:16.8f}{found.joint_torque[i]:18.5f}"
+            f"{name:<16}{found.drive_angle[i]:16.8f}{found.link_angle[i]:16.8f}"
+            f"{_fixed(found.joint_torque[i], 5):>18}"
         )
     beams = "beam" if any(link.type == "beam" for link in found.arm.links) else ""
     lines.append(f"{beams:<16}{'N, Vy, Vz [N]':>36}{'T, My, Mz [N m]':>36}")
@@ -84,7 +85,12 @@ def _closures(found: Statics) -> dict[str, Floats]:
 
 
 def _text(values: Floats) -> str:
-    return ", ".join(f"{value:.4f}" for value in values)
+    return ", ".join(_fixed(value, 4) for value in values)
+
+
+def _fixed(value: float, digits: int) -> str:
+    """Return a number with so many decimals; what rounds to zero has no sign."""
+    return f"{round(float(value), digits) + 0.0:.{digits}f}"
 
 
 def _wrench(values: Floats) -> dict[str, list[float]]:

@@ -146,7 +146,7 @@ def _estimates(items: list[_FaultEvidence]) -> tuple[Estimate, ...]:
         std = float(1 / np.sqrt(np.sum(weights)))
         if len(pairs) > 1:
             std = max(std, float(np.std(pairs[:, 0], ddof=1) / np.sqrt(len(pairs))))
-        found.append(Estimate(name, value, std, value - 1.645 * std, value + 1.645 * std, unit))
+        found.append(Estimate.normal(name, value, std, unit))
     return tuple(found)
 
 

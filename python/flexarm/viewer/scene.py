@@ -22,6 +22,8 @@ class Style:
     arrow: float = 0.14
     shown_deformation: float = 0.06
     shown_mode: float = 0.12
+    most_turned: float = 0.4
+    """Greatest rotation of a drawn mode [rad]: beyond, straight displacements tear turning parts off."""
     shown_gap: float = 0.1
     payload_density: float = 7850.0
     frames_per_second: float = 30.0

@@ -89,22 +89,16 @@ def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
     InvalidParameter
         If the modes do not say where the arm stood, as those that older versions stored.
     """
-    refuse_closures(found.arm, "the page of modes")
-    if found.drive_angle is None:
-        raise InvalidParameter("were stored without the pose of the arm; compute them again", where="modes")
-    skeleton = Skeleton(found.arm)
-    joints = drive_angles(found.arm, found.drive_angle)
-    arm = skeleton.seen if found.with_gravity else skeleton.seen.replace(gravity=(0.0, 0.0, 0.0))
-    still = static(arm, joints)
-    rest = Poses(still.rotation[None], still.position[None])[:, skeleton.chosen]
-    shapes = modes(skeleton.seen, joints, len(found.frequency_hz), found.with_gravity)
+    skeleton, rest, shapes = _shapes(found)
+    assert found.drive_angle is not None  # without it there are no shapes
     size = _size(rest.x)
     clips = []
     bodies = Bodies(skeleton, size, meshes)
-    words = told(bodies, rest, shapes.shape[:, skeleton.chosen])
-    for i, frequency in enumerate(found.frequency_hz):
-        shape = shapes.shape[i, skeleton.chosen]
-        amplitude = STYLE.shown_mode * size / max(_farthest(shape[None, :, :3]), np.finfo(float).tiny)
+    words = told(bodies, rest, shapes)
+    for i, (frequency, shape) in enumerate(zip(found.frequency_hz, shapes, strict=True)):
+        least = np.finfo(float).tiny
+        amplitude = STYLE.shown_mode * size / max(_farthest(shape[:, :3]), least)
+        amplitude = min(amplitude, STYLE.most_turned / max(_farthest(shape[:, 3:]), least))
         phase = 2 * np.pi * np.arange(STYLE.mode_frames) / STYLE.mode_frames
         swing = amplitude * np.sin(phase)[:, None, None]
         poses = Poses(np.repeat(rest.R, len(phase), axis=0), np.repeat(rest.x, len(phase), axis=0))
@@ -122,6 +116,32 @@ def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
     notes = ("amplitudes are free: shapes are drawn so that they show", _angles(found.arm, found.drive_angle))
     layer = Layer("equilibrium", STYLE.ghost, "equilibrium")
     return _scene(f"{found.arm.name}: modes", notes, bodies, both, ghost, [layer])
+
+
+def moving_parts(found: Modes) -> list[str]:
+    """Return a phrase on each mode: which joint or link gives most of it, and the direction of the motion.
+
+    Raises
+    ------
+    InvalidParameter
+        As of `of_modes`.
+    """
+    skeleton, rest, shapes = _shapes(found)
+    return told(Bodies(skeleton, _size(rest.x), None), rest, shapes)
+
+
+def _shapes(found: Modes) -> tuple[Skeleton, Poses, Floats]:
+    """Return the bones, where they rest, and how they move in each mode, (mode, bone, 6)."""
+    refuse_closures(found.arm, "the page of modes")
+    if found.drive_angle is None:
+        raise InvalidParameter("were stored without the pose of the arm; compute them again", where="modes")
+    skeleton = Skeleton(found.arm)
+    joints = drive_angles(found.arm, found.drive_angle)
+    arm = skeleton.seen if found.with_gravity else skeleton.seen.replace(gravity=(0.0, 0.0, 0.0))
+    still = static(arm, joints)
+    rest = Poses(still.rotation[None], still.position[None])[:, skeleton.chosen]
+    shapes = modes(skeleton.seen, joints, len(found.frequency_hz), found.with_gravity)
+    return skeleton, rest, shapes.shape[:, skeleton.chosen]
 
 
 def of_simulation(

@@ -161,7 +161,8 @@ def of_record(arm: Arm, record: Record, scale: float = 1.0, urdf: str | Path | N
 
 def _motion(record: Record) -> Record:
     if record.kind != "motion":
-        raise InvalidParameter("holds poses; only motions are shown", where="record")
+        held = {"static": "poses", "frequency_response": "frequency responses"}[record.kind]
+        raise InvalidParameter(f"holds {held}; only motions are shown", where="record")
     return record
 
 

@@ -64,7 +64,7 @@ def test_the_noise_that_steps_add_is_what_they_leave():
     before, after = left(problem), left(noisier)
     assert before["tip", 0] > 5
     assert 0.25 < after["tip", 0] < 1.2
-    named = encoder.named()
+    named = encoder.named(0.9)
     assert (named.name, named.at) == ("encoder_quantisation", "hinge encoder")
     assert named.parameters[0].low90 < STEP < named.parameters[0].high90
 

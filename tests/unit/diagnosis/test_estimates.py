@@ -12,8 +12,9 @@ from flexarm.diagnosis.cross_validation import folds
 from flexarm.diagnosis.fit import Fit, Projection
 from flexarm.diagnosis.parameters import TransformedParameter
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.uncertainty import WITHIN, deviations, estimates, surrogates, whole_turns
+from flexarm.diagnosis.uncertainty import deviations, estimates, surrogates, whole_turns
 from flexarm.effects import PayloadMass
+from flexarm.named_effects import NORMAL_90
 
 RNG = np.random.default_rng(11)
 TIME = np.arange(0.0, 40.0, 0.1)
@@ -120,7 +121,7 @@ def test_an_error_of_many_lines_cancels_and_phases_drawn_at_random_show_it():
 
 def holds(fit):
     """Return True if the 90 % interval holds the truth, z = 0."""
-    return abs(fit.z[0]) <= WITHIN * deviations(fit, problem(), 0.0)[0]
+    return abs(fit.z[0]) <= NORMAL_90 * deviations(fit, problem(), 0.0)[0]
 
 
 def test_nine_of_ten_intervals_hold_the_truth_in_correlated_noise():

@@ -2,6 +2,8 @@
 
 from diagnoses import nominal, record
 
+from flexarm.comparison.compare import compare
+from flexarm.diagnosis import verification
 from flexarm.diagnosis.verification import Bench
 from flexarm.validation import initial_alignment as runs
 from flexarm.validation.sensor_check import check
@@ -14,6 +16,28 @@ def test_a_bench_simulates_with_the_damping_that_it_is_given():
         0.01,
         0.0,
     )
+
+
+def test_the_gap_of_a_run_is_that_of_a_comparison():
+    bench = Bench({"swing": record(1)}, {"other": record(2)}, step=0.01, alpha=0.0, jobs=1)
+    found = bench.in_all(nominal())
+    assert found.keys() == {"swing", "other"}
+    assert str(found["other"]) == str(compare(nominal(), record(2), step=0.01, alpha=0.0))
+
+
+def test_a_verification_simulates_and_aligns_a_record_once_for_a_model(monkeypatch):
+    runs = []
+
+    def simulate_record(model, record, **options):
+        runs.append((model, id(record)))
+        return whole(model, record, **options)
+
+    whole = verification.simulate_record
+    monkeypatch.setattr(verification, "simulate_record", simulate_record)
+    bench = Bench({"swing": record(1)}, {"other": record(2)}, step=0.01, alpha=0.0, jobs=1)
+    arm = nominal()
+    verification.verified(bench, arm, arm.replace(name="updated"), [], [], open_gap=True)
+    assert len(runs) == len(set(runs)) == 4
 
 
 def test_a_check_simulates_with_the_damping_that_it_is_given(monkeypatch):

@@ -90,7 +90,7 @@ def test_every_setting_has_a_unit_and_a_reason():
 
 @pytest.mark.parametrize("spacing", [0.2, 0.8])
 def test_samples_of_states_are_finer_than_knots(spacing):
-    from flexarm.missing_law.windup import TimeBasis
+    from flexarm.missing_law.basis import TimeBasis
 
     policy = LawPolicy(spacing=spacing)
     basis = TimeBasis.over(0.0, 8.0, policy)

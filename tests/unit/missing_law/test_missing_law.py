@@ -11,9 +11,10 @@ from hidden_causes import Hidden
 from hidden_pendulum import STIFFNESS, Study, nominal
 
 import flexarm
+from flexarm.missing_law.basis import TimeBasis
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.search import MissingLaws
-from flexarm.missing_law.windup import TimeBasis, WindupResponse, added
+from flexarm.missing_law.windup import WindupResponse, added
 
 INSTANT = 9.0
 RNG = np.random.default_rng(11)

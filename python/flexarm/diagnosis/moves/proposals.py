@@ -80,15 +80,14 @@ def fit_singles(
     at_ends = not found or not criteria.adequate(best)
     wanted, others = _promising(estimator, probed, best, places, at_ends)
     more = fitted(estimator, wanted, best, criteria)
-    if policy.allows("low_pass") and criteria.all_leave_gaps([*found, *more]):
+    if criteria.all_leave_gaps([*found, *more]) and policy.allows("low_pass"):
         slow = screen(estimator, probed, best, seen=slow_part(estimator.problem))
         slower = [s for s in one_variant(slow, policy.more_proposals) if not _there(s, best, more)]
         more += fitted(estimator, slower, best, criteria, found=more)
-    if policy.allows("second_rank") and not best.members and criteria.all_leave_gaps([*found, *more]):
-        more += fitted(
-            estimator, [s for s in others if not _there(s, best, more)], best, criteria, found=more
-        )
-    if policy.allows("gap_scan") and criteria.all_leave_gaps([*found, *more]):
+    others = [s for s in others if not (best.members or _there(s, best, more))]
+    if others and criteria.all_leave_gaps([*found, *more]) and policy.allows("second_rank"):
+        more += fitted(estimator, others, best, criteria, found=more)
+    if criteria.all_leave_gaps([*found, *more]):
         more += _from_other_gaps(estimator, more)
     return more
 
@@ -97,8 +96,9 @@ def _from_other_gaps(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """Return the best model with several minima refitted from a better start, if there is one."""
     bouncing = [f for f in found if any(member.effect.multistart for member in f.members)]
     with suppress(*FIT_ERRORS):
-        if bouncing and (again := multi_start(min(bouncing, key=lambda f: f.cost), estimator)) is not None:
-            return [again]
+        if bouncing and estimator.problem.policy.allows("gap_scan"):
+            again = multi_start(min(bouncing, key=lambda f: f.cost), estimator)
+            return [] if again is None else [again]
     return []
 
 
@@ -123,7 +123,7 @@ def fit_sets(estimator: Estimator, state: SearchState, beside: Fit, size: int) -
     ahead = size == 2 or _leads(shares, beside, policy.alike)
     most, wanted = policy.proposals // 2, one_variant(shares, 2 * policy.proposals) if ahead else []
     found = fitted(estimator, wanted, start, criteria, most)
-    if size == 2 and policy.allows("low_pass") and criteria.all_leave_gaps(found):
+    if size == 2 and criteria.all_leave_gaps(found) and policy.allows("low_pass"):
         slow = together(estimator, probed, start, size, slow_part(estimator.problem))
         found += fitted(estimator, one_variant(slow, 2 * policy.proposals), start, criteria, most)
     return found
@@ -181,8 +181,8 @@ def _promising(
     policy = estimator.problem.policy
     shares = one_variant(screen(estimator, probed, best, places), len(probed))
     sharp = sharpened(estimator, shares[: 2 * policy.proposals], best)
-    at_ends = at_ends and policy.allows("prior_ends")
-    if at_ends and (not sharp or sharp[0].share < policy.most_of_gap):
+    at_ends = at_ends and (not sharp or sharp[0].share < policy.most_of_gap)
+    if at_ends and policy.allows("prior_ends"):
         sharp = _sharpest([*sharp, *sharpened(estimator, _at_ends(estimator, probed, best), best)])
     wanted = sharp[: policy.proposals]
     there = {share.places for share in wanted}

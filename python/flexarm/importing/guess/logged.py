@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.importing.formats import reader_of
+from flexarm.importing.guess.text_stamps import TextStamps, text_stamps
 from flexarm.importing.guess.words import Meaning, is_stamp, meaning_of, unit_in
 from flexarm.importing.map_file import Dialect
 from flexarm.importing.source import LOG, Array, Group, Request, Source, Unreadable
@@ -29,8 +31,8 @@ USUAL_INTERVAL = (1e-5, 2.0)
 class Stamped:
     """Stamps of a table as a guess takes them."""
 
-    column: str | int | None
-    """As the map names them; None: there are none."""
+    column: str | int | tuple[str | int, ...] | None
+    """As the map names them; several make a stamp together; None: there are none."""
     unit: str | None
     """Unit for the map; None: the source says it."""
     seconds: Floats
@@ -40,6 +42,8 @@ class Stamped:
     why: str
     unknown: str = ""
     """The reason; what is not known."""
+    form: str | None = None
+    """Of stamps that are texts: how they read."""
 
     @property
     def of_calendar(self) -> bool:
@@ -60,13 +64,23 @@ class Logged:
     time: Stamped
     meaning: Meaning
     """What it seems to be."""
-    where: tuple[str, str] | None = None
-    """The column that labels rows, and the label of these, such as the name of a point."""
+    where: tuple[tuple[str, str], ...] = ()
+    """Columns that label rows, and the labels of these, such as the name of a point; `*` for what differs."""
 
     @property
-    def kind(self) -> tuple[str, str | None, tuple[str, str] | None]:
+    def kind(self) -> tuple[str, str | None, tuple[tuple[str, str], ...]]:
         """File, topic and label: the columns that are read together."""
         return self.file, self.topic, self.where
+
+    @property
+    def label(self) -> str:
+        """The labels of its rows; empty if there are none."""
+        return " ".join(label for _, label in self.where)
+
+    @property
+    def rests(self) -> bool:
+        """True if all its values are the same."""
+        return bool(np.nanmax(self.values) == np.nanmin(self.values))
 
 
 def logged(path: Path, named: str) -> list[Logged]:
@@ -96,25 +110,54 @@ def _of_group(source: Source, group: Group, named: str, shared: tuple[str, Array
         samples = source.read(Request(group.topic, tuple(group.names), group.time))
         arrays: dict[str | int, Array] = dict(zip(group.names, samples.values.T, strict=True))
         stamps = _seconds(group.time, samples.time, samples.time_unit, "")
-        return _rows(named, group, arrays, units, stamps, None)
-    arrays, texts = {}, {}
+        return _rows(named, group, arrays, units, stamps, ())
+    arrays, others = {}, []
     for column in columns:
         try:
             arrays[column] = source.read(Request(group.topic, (column,))).values[:, 0]
+            instants = source.array(group.topic, source.find(group.topic, column, "columns")[0])
+            others += [column] if instants.dtype.kind in "mM" else []
         except Unreadable:
-            found = source.array(group.topic, source.find(group.topic, column, "columns")[0])
-            if found.dtype.kind in "OU" and 1 < len(set(found.tolist())) <= MOST_LABELS:
-                texts[column] = np.array([str(value).strip() for value in found.tolist()])
-    if len(texts) != 1:
-        return _rows(named, group, arrays, units, _stamps(source, group, arrays, shared, slice(None)), None)
-    ((column, labels),) = texts.items()
+            others.append(column)
+    texts = _texts(source, group, others)
+    stamped = text_stamps(list(texts), list(texts.values()))
+    arrays = {c: values for c, values in arrays.items() if stamped is None or c not in stamped.columns}
+    labels = _labels({c: rows for c, rows in texts.items() if stamped is None or c not in stamped.columns})
+    if not labels:
+        stamps = _stamps(source, group, arrays, shared, stamped, slice(None))
+        return _rows(named, group, arrays, units, stamps, ())
     rows: list[Logged] = []
-    for label in dict.fromkeys(labels.tolist()):
-        chosen = np.flatnonzero(labels == label)
+    each = list(zip(*labels.values(), strict=True))
+    for label in dict.fromkeys(each):
+        chosen = np.array([k for k, found in enumerate(each) if found == label])
         here = {name: values[chosen] for name, values in arrays.items()}
-        stamps = _stamps(source, group, here, None, chosen)
-        rows += _rows(named, group, here, units, stamps, (str(column), label))
+        stamps = _stamps(source, group, here, None, stamped, chosen)
+        where = tuple(zip(map(str, labels), label, strict=True))
+        rows += _rows(named, group, here, units, stamps, where)
     return rows
+
+
+def _texts(source: Source, group: Group, columns: Sequence[str | int]) -> dict[str | int, list[str]]:
+    """Return columns that are no numbers as texts; instants as they stand in the file."""
+    requests = [Request(group.topic, (c,), c, stamps_are_text=True) for c in columns]
+    again = type(source)(source.path, source.dialect, requests)
+    found: dict[str | int, list[str]] = {}
+    for column in columns:
+        array = again.array(group.topic, again.find(group.topic, column, "columns")[0])
+        if array.ndim == 1 and array.dtype.kind in "OU":
+            found[column] = [str(value).strip() for value in array.tolist()]
+    return found
+
+
+def _labels(texts: Mapping[str | int, list[str]]) -> dict[str | int, list[str]]:
+    """Return the columns that tell few kinds of rows apart; numbers at the end of many names become `*`."""
+    found = {}
+    for column, rows in texts.items():
+        many = len(set(rows)) > MOST_LABELS
+        labels = [re.sub(r"\d+$", "*", row) for row in rows] if many else rows
+        if 1 < len(set(labels)) <= MOST_LABELS:
+            found[column] = labels
+    return found if len(set(zip(*found.values(), strict=True))) <= MOST_LABELS else {}
 
 
 def _rows(
@@ -123,7 +166,7 @@ def _rows(
     arrays: dict[str | int, Array],
     units: dict[str | int, str],
     stamps: Stamped,
-    where: tuple[str, str] | None,
+    where: tuple[tuple[str, str], ...],
 ) -> list[Logged]:
     return [
         Logged(
@@ -171,8 +214,13 @@ def _stamps(
     group: Group,
     arrays: dict[str | int, Array],
     shared: tuple[str, Array] | None,
+    texts: TextStamps | None,
     rows: Array | slice,
 ) -> Stamped:
+    if texts is not None and (np.diff(texts.seconds[rows]) > 0).all():
+        columns = texts.columns if len(texts.columns) > 1 else texts.columns[0]
+        found = _seconds(columns, texts.seconds[rows], None, "s", "they read as dates and times")
+        return replace(found, unit=None, form=texts.form, unknown=texts.unknown)
     rising = [c for c, v in arrays.items() if len(v) > 1 and np.isfinite(v).all() and (np.diff(v) > 0).all()]
     by_name = [column for column in rising if isinstance(column, str) and is_stamp(column)]
     if by_name or (rising and group.time is None and shared is None):
@@ -196,7 +244,12 @@ def _stamps(
 
 
 def _seconds(
-    column: str | int, raw: Array | None, said: str | None, hint: str, why: str = "", unknown: str = ""
+    column: str | int | tuple[str | int, ...],
+    raw: Array | None,
+    said: str | None,
+    hint: str,
+    why: str = "",
+    unknown: str = "",
 ) -> Stamped:
     """Return stamps with their unit: as the source or the name says it, else by their size and interval."""
     time = np.array([]) if raw is None else np.asarray(raw, dtype=float)

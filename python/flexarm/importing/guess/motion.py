@@ -62,11 +62,13 @@ class Agreement:
     ratio: float
 
 
-def rigid_track(arm: Arm, point: str, joints: Mapping[str, Track], axes: Sequence[int]) -> Track:
-    """Return the motion of a point of the rigid arm along the tracks of its joints [m]."""
+def rigid_track(
+    arm: Arm, point: str, joints: Mapping[str, Track], axes: Sequence[int], rows: int = ROWS
+) -> Track:
+    """Return the motion of a point of the rigid arm along its joints [m], at so many instants."""
     start = max(track.time[0] for track in joints.values())
     end = min(track.time[-1] for track in joints.values())
-    time = np.linspace(start, end, ROWS)
+    time = np.linspace(start, end, rows)
     values = {name: track.at(time)[:, 0] for name, track in joints.items()}
     place = arm.point(point)
     seen = link_pose(arm, place.link, values).of_point(np.asarray(place.position))
@@ -74,10 +76,10 @@ def rigid_track(arm: Arm, point: str, joints: Mapping[str, Track], axes: Sequenc
     return Track(time, np.array(seen)[:, list(axes)])
 
 
-def agreement(measured: Track, predicted: Track) -> Agreement:
-    """Return how a measured motion goes with one of the model."""
+def agreement(measured: Track, predicted: Track, rows: int = ROWS) -> Agreement:
+    """Return how a measured motion goes with one of the model, on a grid of so many instants."""
     ratio = predicted.size / measured.size if measured.size > 0 else 0.0
-    step = max(measured.time[-1], predicted.time[-1]) / ROWS
+    step = max(measured.time[-1], predicted.time[-1]) / rows
     one, other = (_speeds(track, step) for track in (measured, predicted))
     if min(len(one), len(other)) < 8 or one.std() == 0 or other.std() == 0:
         return Agreement(0.0, 0.0, ratio)

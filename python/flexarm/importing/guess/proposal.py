@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import pi
 from typing import Any
@@ -13,12 +13,17 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.importing.guess.logged import Logged
 from flexarm.importing.guess.motion import Track
+from flexarm.importing.guess.words import COUNTED
 from flexarm.importing.workflow import gear_ratio
 from flexarm.quantities import QUANTITIES
 from flexarm.units import factor_to
 
 TURNS = 2.0
 """Turns that a joint's output may make, where no measured point tells."""
+
+
+Option = tuple[str | int, bool]
+"""Unit of an angle, or the counts of a turn; and True if it is before the gear."""
 
 
 @dataclass
@@ -78,15 +83,34 @@ class Proposal:
     def factor(self) -> float:
         """Return the factor to SI of its unit."""
         units = QUANTITIES[self.quantity].units
-        unit = self.keys.get("unit", units[0])
-        return next((f for si in units if (f := factor_to(si, unit)) is not None), 1.0) if units else 1.0
+        return unit_factor(self.keys.get("unit", units[0]), units) if units else 1.0
+
+    @property
+    def counts(self) -> bool:
+        """True for the counts of an encoder."""
+        return self.first.meaning.unit == COUNTED
 
 
-def in_output(proposal: Proposal, arm: Arm, option: tuple[str, bool]) -> Track:
-    """Return an angle at the output [rad or m]."""
-    factor = next(f for si in QUANTITIES[proposal.quantity].units if (f := factor_to(si, option[0])))
-    ratio = gear_ratio(arm, proposal.place[1]) if option[1] else 1.0
+def unit_factor(unit: Any, units: Sequence[str]) -> float:
+    """Return the factor to SI of a unit by name, or of counts per turn; 1 if none fits."""
+    counts = unit.get("counts_per_turn") if isinstance(unit, Mapping) else unit
+    if isinstance(counts, int):
+        return 2 * pi / counts if counts else 1.0
+    return next((f for si in units if (f := factor_to(si, str(unit))) is not None), 1.0)
+
+
+def in_output(proposal: Proposal, arm: Arm, option: Option | None = None) -> Track:
+    """Return an angle at the output [rad or m], by its keys or as another option."""
+    unit, geared = option or (proposal.keys.get("unit", "rad"), proposal.keys.get("before_gear", False))
+    factor = unit_factor(unit, QUANTITIES[proposal.quantity].units) * proposal.keys.get("scale", 1.0)
+    ratio = gear_ratio(arm, proposal.place[1]) if geared else 1.0
     return Track.of(proposal.first.time.seconds, [proposal.first.values * factor / ratio])
+
+
+def words_of(option: Option) -> str:
+    """Return an option in words."""
+    unit = f"{option[0]} counts a turn" if isinstance(option[0], int) else option[0]
+    return f"{unit} {'before the gear' if option[1] else 'of the output'}"
 
 
 def drives_of(proposals: Sequence[Proposal]) -> list[Proposal]:

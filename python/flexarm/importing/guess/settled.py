@@ -11,7 +11,15 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.importing.guess.motion import Agreement, Track, agreement, rigid_track, white_noise
-from flexarm.importing.guess.proposal import TURNS, Proposal, drives_of, in_output, plain_name
+from flexarm.importing.guess.proposal import (
+    TURNS,
+    Option,
+    Proposal,
+    drives_of,
+    in_output,
+    plain_name,
+    words_of,
+)
 from flexarm.importing.workflow import gear_ratio
 from flexarm.quantities import QUANTITIES
 from flexarm.units import factor_to
@@ -41,7 +49,8 @@ def settle_units(proposals: Sequence[Proposal], arm: Arm) -> None:
                 proposal.unknown["unit"] = f"{size:.3g} is neither 1 g nor 9.81 m/s2"
     families: dict[tuple[Any, str, str], list[Proposal]] = {}
     for proposal in proposals:
-        if proposal.quantity in ("joint_angle", "joint_command", "joint_rate") and not proposal.out:
+        angle = proposal.quantity in ("joint_angle", "joint_command", "joint_rate")
+        if angle and not proposal.out and not proposal.counts:
             families.setdefault(
                 (proposal.first.kind, proposal.quantity, str(proposal.keys.get("side"))), []
             ).append(proposal)
@@ -65,32 +74,32 @@ def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Ar
     units = units if turning else [stated or ("m/s" if rate else "m")]
     geared = family[0].keys.get("side") != "output" and family[0].quantity != "joint_command"
     geared = geared and any(abs(gear_ratio(arm, p.place[1])) != 1 for p in family)
-    options = [(unit, gear) for unit in units for gear in ((False, True) if geared else (False,))]
+    options: list[Option] = [
+        (unit, gear) for unit in units for gear in ((False, True) if geared else (False,))
+    ]
     if seen and not rate and len(options) > 1:
         found = sorted((_misfit(family, seen[0], arm, option), option) for option in options)
         (best, chosen), (second, other) = found[0], found[1]
         size = seen[0].track().size
         told = f"{seen[0].place[1]} of the model then moves by {_by(best, size)} rms, measured {size:.3g} m"
         apart = second[0] - best[0] > ALIKE
-        _say(family, chosen, told, "" if apart else f"{_words(other)} fits almost as well")
+        _say(family, chosen, told, "" if apart else f"{words_of(other)} fits almost as well")
         return
     widest = [_widest(family, arm, option) for option in options]
     limit = pi * TURNS * (10 if rate else 1)
     chosen = next((o for o, w in zip(options, widest, strict=True) if w <= limit), options[0])
-    told = f"as {_words(chosen)} values reach {_widest(family, arm, chosen):.3g} rad{'/s' if rate else ''}"
+    told = f"as {words_of(chosen)} values reach {_widest(family, arm, chosen):.3g} rad{'/s' if rate else ''}"
     others = [o for o, w in zip(options, widest, strict=True) if w <= limit and o != chosen]
-    _say(family, chosen, told, f"no measured point tells; {_words(others[0])} is possible" if others else "")
+    _say(
+        family, chosen, told, f"no measured point tells; {words_of(others[0])} is possible" if others else ""
+    )
 
 
 def _by(misfit: tuple[float, float], size: float) -> str:
     return f"{misfit[1] * size:.3g} m"
 
 
-def _words(option: tuple[str, bool]) -> str:
-    return f"{option[0]} {'before the gear' if option[1] else 'of the output'}"
-
-
-def _say(family: Sequence[Proposal], option: tuple[str, bool], why: str, unknown: str) -> None:
+def _say(family: Sequence[Proposal], option: Option, why: str, unknown: str) -> None:
     for proposal in family:
         stated = "unit" in proposal.keys
         proposal.keys["unit"] = option[0]
@@ -103,13 +112,11 @@ def _say(family: Sequence[Proposal], option: tuple[str, bool], why: str, unknown
             proposal.unknown["unit"] = unknown
 
 
-def _widest(family: Sequence[Proposal], arm: Arm, option: tuple[str, bool]) -> float:
+def _widest(family: Sequence[Proposal], arm: Arm, option: Option) -> float:
     return max(float(np.abs(in_output(p, arm, option).values).max(initial=0.0)) for p in family)
 
 
-def _misfit(
-    family: Sequence[Proposal], seen: Proposal, arm: Arm, option: tuple[str, bool]
-) -> tuple[float, float]:
+def _misfit(family: Sequence[Proposal], seen: Proposal, arm: Arm, option: Option) -> tuple[float, float]:
     """Return |log| of the size of the model's motion over the measured one, and that ratio."""
     joints = {p.place[1]: in_output(p, arm, option) for p in family}
     ratio = agreement_of(seen, arm, joints, sizes_only=True).ratio
@@ -128,10 +135,7 @@ def agreement_of(seen: Proposal, arm: Arm, joints: dict[str, Track], sizes_only:
 
 def settle_motion(proposals: Sequence[Proposal], arm: Arm) -> dict[str, str]:
     """Say how points go with the model, and return the frames that are not the base's with the reason."""
-    joints = {
-        p.place[1]: in_output(p, arm, (p.keys["unit"], p.keys.get("before_gear", False)))
-        for p in drives_of(proposals)
-    }
+    joints = {p.place[1]: in_output(p, arm) for p in drives_of(proposals)}
     frames: dict[str, str] = {}
     for seen in (p for p in proposals if p.quantity in ("position", "orientation") and not p.out):
         name, told = plain_name(Path(seen.first.file).stem), "nothing tells where it stands"
@@ -167,7 +171,7 @@ def _from_base(seen: Proposal, arm: Arm, joints: dict[str, Track], lag: float) -
 def settle_noise(proposals: Sequence[Proposal], arm: Arm) -> None:
     """Propose the noise that values show."""
     for proposal in proposals:
-        if proposal.quantity == "joint_command":
+        if proposal.quantity == "joint_command" or (proposal.counts and proposal.out):
             continue
         sizes = [white_noise(column.values) for column in proposal.columns]
         sigma = float(np.max(sizes)) * proposal.factor()

@@ -28,7 +28,7 @@ def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
     found = []
     for column in columns:
         quantity = column.meaning.quantity
-        if quantity not in SCALARS:
+        if quantity not in SCALARS or (column.rests and quantity not in ("joint_angle", "joint_command")):
             continue
         label = f"{column.topic or ''} {column.column}" if not _is_message(column) else str(column.column)
         joint = matched(label, known)
@@ -58,13 +58,13 @@ def point_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
             families.setdefault((column.kind, m.stem, m.quantity), []).append(column)
     known = [point.name for point in arm.points]
     found = []
-    for ((file, topic, where), stem, quantity), members in families.items():
+    for ((file, topic, _), stem, quantity), members in families.items():
         wanted = "xyzw" if quantity == "orientation" else "xyz"
         by_axis = {column.meaning.axis: column for column in members if column.meaning.axis in wanted}
         axes = [axis for axis in wanted if axis in by_axis]
         if quantity == "orientation" and len(axes) < 4:
             continue
-        label = where[1] if where else ""
+        label = members[0].label
         point = matched(f"{stem} {topic or ''} {label}", known) or matched(Path(file).stem, known)
         proposal = Proposal([by_axis[axis] for axis in axes], quantity, ("point", point))
         proposal.why["quantity"] = by_axis[axes[0]].meaning.why
@@ -82,7 +82,7 @@ def unnamed_points(columns: Sequence[Logged], proposals: Sequence[Proposal], arm
     Speeds (1) of `motion` correlate whatever the unit of angles is, as long as they are small or the joint is
     the only one; the joints' columns are taken as radians of the output where nothing is known yet.
     """
-    joints = {p.place[1]: p.raw(arm) for p in drives_of(proposals)}
+    joints = {p.place[1]: p.raw(arm) for p in drives_of(proposals) if not p.counts}
     bare = [column for column in columns if isinstance(column.column, int) and not column.meaning.quantity]
     found: list[Proposal] = []
     taken = {p.place for p in proposals if p.quantity == "position" and not p.out}
@@ -95,7 +95,7 @@ def unnamed_points(columns: Sequence[Logged], proposals: Sequence[Proposal], arm
                 continue
             for point in (p.name for p in arm.points if ("point", p.name) not in taken):
                 alike = agreement(measured, rigid_track(arm, point, joints, range(3))).correlation
-                named = kind[2] is not None and matched(kind[2][1], [point]) == point
+                named = matched(three[0].label, [point]) == point
                 best = max(best, (alike + named, point, three), key=lambda each: each[0])
         score, point, three = best
         if score < ALIKE_SPEEDS:
@@ -119,16 +119,14 @@ def settle_places(proposals: Sequence[Proposal], arm: Arm) -> None:
         if proposal.place[0] == "joint" and not proposal.place[1]:
             stem = re.sub(r"\d+", "", proposal.first.meaning.stem)
             families.setdefault((proposal.first.kind, stem, proposal.quantity), []).append(proposal)
-        elif not proposal.place[1] and len(points) == 1:
-            proposal.place = ("point", points[0])
-            proposal.why["point"] = "the model's only point"
-        elif not proposal.place[1]:
-            proposal.unknown["point"] = f"there are {', '.join(points) or 'none'}"
-            proposal.out = True
     for family in families.values():
         if len(family) == 1 and len(joints) == 1:
             family[0].place = ("joint", joints[0])
             family[0].why["joint"] = "the model's only joint that moves"
+        elif numbers := _numbers(family, len(joints)):
+            for proposal, number in zip(family, numbers, strict=True):
+                proposal.place = ("joint", joints[number - 1])
+                proposal.unknown["joint"] = f"taken by its number {number} in the order of the model"
         elif len(family) == len(joints):
             for proposal, joint in zip(family, joints, strict=True):
                 proposal.place = ("joint", joint)
@@ -137,6 +135,41 @@ def settle_places(proposals: Sequence[Proposal], arm: Arm) -> None:
             for proposal in family:
                 proposal.unknown["joint"] = f"there are {', '.join(joints)}"
                 proposal.out = True
+
+    for proposal in (p for p in proposals if p.place == ("point", "")):
+        if len(points) == 1:
+            proposal.place = ("point", points[0])
+            proposal.why["point"] = "the model's only point"
+        else:
+            _point_by_motion(proposal, proposals, arm)
+
+
+def _numbers(family: Sequence[Proposal], most: int) -> list[int]:
+    """Return the only number in the name of each column, from 1; empty unless they number joints."""
+    found = [re.findall(r"\d+", str(p.first.column)) for p in family]
+    numbers = [int(each[0]) for each in found if len(each) == 1]
+    first = min(numbers, default=1)
+    numbers = [number + 1 for number in numbers] if first == 0 else numbers
+    return numbers if len(set(numbers)) == len(family) and max(numbers) <= most else []
+
+
+def _point_by_motion(proposal: Proposal, proposals: Sequence[Proposal], arm: Arm) -> None:
+    """Give the model's point whose speed goes best with the measured one, if one does."""
+    names = [point.name for point in arm.points]
+    joints = {p.place[1]: p.raw(arm) for p in drives_of(proposals) if p.place[1] and not p.counts}
+    measured = Track.of(proposal.first.time.seconds, [column.values for column in proposal.columns])
+    axes = ["xyz".index(axis) for axis in proposal.keys.get("axes", "xyz")]
+    found: list[tuple[float, str]] = []
+    if proposal.quantity == "position" and joints and len(measured.time) > 8 and measured.size > 0:
+        tracks = {name: rigid_track(arm, name, joints, axes) for name in names}
+        found = sorted(((agreement(measured, t).correlation, n) for n, t in tracks.items()), reverse=True)
+    if not found or found[0][0] < ALIKE_SPEEDS:
+        proposal.unknown["point"] = f"there are {', '.join(names) or 'none'}"
+        proposal.out = True
+        return
+    proposal.place = ("point", found[0][1])
+    told = ", ".join(f"{name} by {alike:.3f}" for alike, name in found[:3])
+    proposal.unknown["point"] = f"taken by its speed, which goes with that of {told}"
 
 
 def of_joint_type(proposal: Proposal, arm: Arm) -> bool:

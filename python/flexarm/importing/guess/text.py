@@ -76,8 +76,10 @@ def _signal(proposal: Proposal, clocks: Mapping[str, str]) -> Iterator[str]:
     keys["time"] = time.column if time.column is not None else {"rate_hz": 1.0}
     if time.unit not in (None, "s"):
         keys["time_unit"] = time.unit
-    if first.where is not None:
-        keys["where"] = dict([first.where])
+    if time.form is not None:
+        keys["time_format"] = time.form
+    if first.where:
+        keys["where"] = dict(first.where)
     keys["columns"] = [column.column for column in proposal.columns]
     keys["quantity"] = proposal.quantity
     keys[kind] = place or "unknown"
@@ -105,6 +107,7 @@ def _left(left: Sequence[Logged]) -> Iterator[str]:
     for column in left[:MOST_LISTED]:
         topic = f", {column.topic}" if column.topic is not None else ""
         what = f"may be {column.meaning.quantity}" if column.meaning.quantity else "unknown"
+        what += f", always {column.values[0]:g}" if column.rests else ""
         yield f"# {column.file}{topic}: {_value(column.column)}: {what}".replace("\n", " ")
     if len(left) > MOST_LISTED:
         yield f"# and {len(left) - MOST_LISTED} more"

@@ -9,23 +9,56 @@ from dataclasses import dataclass
 from flexarm.units import factor_to
 
 WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
-STAMPS = ("t", "time", "timestamp", "stamp", "sec", "secs", "seconds", "tstamp", "clock")
+COUNTED = "counts"
+"""Unit of an encoder that counts."""
+COUNTS = (
+    "count",
+    "counts",
+    "cnt",
+    "cnts",
+    "inc",
+    "incs",
+    "incr",
+    "increments",
+    "ink",
+    "inkr",
+    "ticks",
+    "pulses",
+)
+"""Words of it."""
+STAMPS = (
+    "t",
+    "time",
+    "timestamp",
+    "stamp",
+    "sec",
+    "secs",
+    "seconds",
+    "tstamp",
+    "clock",
+    "zeit",
+    "zeitstempel",
+)
 AXES = "xyzw"
 
 Rule = tuple[str, tuple[str, ...], tuple[str, ...]]
 RULES: tuple[Rule, ...] = (
-    ("joint_command", ("ref", "cmd", "des", "goal"), ("refer", "command", "desired", "setpoint", "target")),
-    ("motor_voltage", (), ("volt",)),
-    ("motor_torque", ("tau", "trq"), ("torque", "effort")),
-    ("current", ("iq", "amp", "amps"), ("current",)),
+    (
+        "joint_command",
+        ("ref", "cmd", "des", "goal", "soll"),
+        ("refer", "command", "desired", "setpoint", "target"),
+    ),
+    ("motor_voltage", (), ("volt", "spannung")),
+    ("motor_torque", ("tau", "trq"), ("torque", "effort", "moment")),
+    ("current", ("iq", "amp", "amps"), ("current", "strom")),
     ("acceleration", ("acc",), ("accel",)),
     ("angular_rate", (), ("gyro", "angularveloc")),
-    ("joint_rate", ("vel", "qd", "dq"), ("veloc", "speed", "rate")),
+    ("joint_rate", ("vel", "qd", "dq"), ("veloc", "speed", "rate", "drehzahl", "geschw")),
     ("orientation", ("quat", "quaternion", "qx", "qy", "qz", "qw"), ("orientation", "rotation")),
     ("force", ("fx", "fy", "fz"), ("force",)),
     ("strain", (), ("strain",)),
     ("deflection", (), ("deflection",)),
-    ("joint_angle", ("q", "pos", "phi", "enc"), ("angle", "encoder", "theta", "joint", "position")),
+    ("joint_angle", ("q", "pos", "phi", "enc"), ("angle", "encoder", "theta", "joint", "position", "winkel")),
 )
 """Quantity, words that are it, and parts of words that are; the first that fits counts."""
 OF_UNIT = {
@@ -78,7 +111,9 @@ def unit_in(name: str, said: str = "") -> str:
     ends = [part.rpartition(" in ")[2] for part in brackets]
     for given in (said, *brackets, *ends, tail):
         text: str = given.strip().replace("rads/s", "rad/s").replace("Nm", "N m").replace("degrees", "deg")
-        if text in ("A", "count", "counts"):
+        if text.lower() in COUNTS:
+            return COUNTED
+        if text == "A":
             return text
         # One letter at the end of a name is a unit only where something stands before it.
         if text and text != name and any(factor_to(si, text) is not None for si in (*OF_UNIT, "m", "s")):
@@ -89,7 +124,7 @@ def unit_in(name: str, said: str = "") -> str:
 def meaning_of(name: str, said_unit: str = "", kind: str = "") -> Meaning:
     """Return what a column seems to be."""
     unit = unit_in(name, said_unit)
-    words = [word for word in words_of(name) if word != unit.lower()]
+    words = [w for w in words_of(name) if w != unit.lower() and not (unit == COUNTED and w in COUNTS)]
     axis = next((w for w in reversed(words) if w in AXES), "")
     axis = axis or next((w[1] for w in words if len(w) == 2 and w[0] in "qf" and w[1] in AXES), "")
     stem = " ".join(w for w in words if w != axis and not (len(w) == 2 and w[0] in "qf" and w[1:] == axis))
@@ -107,6 +142,8 @@ def meaning_of(name: str, said_unit: str = "", kind: str = "") -> Meaning:
     si = next((si for si in (*OF_UNIT, "m") if unit and factor_to(si, unit) is not None), "")
     if axis and axis != "w" and (not found or found == "joint_angle") and si in ("", "m"):
         found, why = "position", f"coordinate {axis} of a point"
+    if not found and unit == COUNTED:
+        found, why = "joint_angle", f"its unit {unit}"
     if not found and si in OF_UNIT:
         found, why = OF_UNIT[si], f"its unit {unit}"
     if found == "angular_rate" and not axis:

@@ -3,7 +3,8 @@
     1. names     what each column is, of which joint or point                       (`words`)
     2. stamps    the column that rises, its unit by name or size                    (`logged`)
     3. units     of angles those for which the model's points move as far as measured (`motion`)
-    4. clocks    one a file, frames known where the coordinates are the base's
+    4. signs     and counts per turn, with which the model comes nearest to a point  (`registration`)
+    5. clocks    one a file, frames known where the coordinates are the base's
 
 What none of this tells is written as `# unknown:`, and a signal that cannot be read so is commented out.
 """
@@ -27,6 +28,7 @@ from flexarm.importing.guess.signals import (
     settle_places,
     unnamed_points,
 )
+from flexarm.importing.guess.signs import settle_signs
 from flexarm.importing.guess.text import map_text
 
 
@@ -68,6 +70,7 @@ def guess_map(files: Iterable[Path], model: str | Path, out: str | Path) -> str:
     settle_doubles(proposals)
     proposals += unnamed_points(stamped, proposals, arm)
     settle_units(proposals, arm)
+    settle_signs(proposals, arm)
     frames = settle_motion(proposals, arm)
     settle_noise(proposals, arm)
     settle_names(proposals)

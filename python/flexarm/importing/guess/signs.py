@@ -1,0 +1,171 @@
+"""Signs of joints and counts of encoders, by how near the model's points come to the measured ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from flexarm.arm import Arm
+from flexarm.importing.guess.motion import Track, rigid_track
+from flexarm.importing.guess.proposal import Option, Proposal, drives_of, in_output, words_of
+from flexarm.importing.guess.registration import Registration, registration
+from flexarm.importing.workflow import gear_ratio
+
+MOST_JOINTS = 6
+"""Joints whose signs are tried together."""
+NEARER = 0.5
+"""A sign or count is taken where it leaves at most this share of what the model leaves without it."""
+ALIKE = 1.2
+"""Hypotheses that leave up to so many times what the best one leaves are not told apart."""
+SIZES = (1 / 3, 3.0)
+"""Size of the model's motion over the measured one, beyond which counts are not tried."""
+STILL = 10**12
+"""Counts per turn with which a joint stands still."""
+COUNTS = tuple(
+    sorted(
+        {2**k for k in range(9, 25)}
+        | {digit * 10**k for digit in (1, 2, 4, 5, 8) for k in (3, 4, 5)}
+        | {2500, 3600, 7200, 36_000, 360_000, 1_000_000}
+    )
+)
+"""Usual counts of an encoder for one turn."""
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """Signs of joints, counts per turn, and what they leave of a measured point."""
+
+    signs: Mapping[str, float]
+    option: Option | None
+    left: Registration
+
+    @property
+    def turned(self) -> tuple[str, ...]:
+        """Joints that run against the model's axes."""
+        return tuple(name for name, sign in self.signs.items() if sign < 0)
+
+
+def settle_signs(proposals: Sequence[Proposal], arm: Arm) -> None:
+    """Give signs and counts per turn, where a point that moves was measured along three axes."""
+    seen = _seen(proposals)
+    drives = drives_of(proposals)
+    known, counted = [p for p in drives if not p.counts], [p for p in drives if p.counts]
+    if seen is not None and known and len(known) <= MOST_JOINTS:
+        joints = {p.place[1]: in_output(p, arm) for p in known}
+        left = _leaves(arm, seen, joints)
+        _give_signs([Hypothesis(signs, None, left(signs)) for signs in _signs(known)], known, seen)
+    if seen is not None and counted and len(counted) <= MOST_JOINTS:
+        still, *tried = _tried_counts(arm, seen, known, counted)
+        _give_counts(still, tried, counted, seen)
+    for proposal in (p for p in proposals if p.counts and "unit" not in p.keys):
+        proposal.out = True
+        proposal.keys["unit"] = {"counts_per_turn": 0}
+        proposal.unknown["unit"] = "no measured point tells how many counts are a turn"
+
+
+def _seen(proposals: Sequence[Proposal]) -> Proposal | None:
+    """Return the point that moves farthest of those that were measured along three axes."""
+    found = [
+        p
+        for p in proposals
+        if p.quantity == "position" and not p.out and p.moves() and len(p.columns) == 3
+        if len(p.track().time) > 8
+    ]
+    return max(found, key=lambda p: p.track().size, default=None)
+
+
+def _signs(of: Sequence[Proposal]) -> Iterator[dict[str, float]]:
+    """Yield all signs of joints that move, those with fewer turned ones first."""
+    moving = [p.place[1] for p in of if p.moves()]
+    for signs in sorted(product((1.0, -1.0), repeat=len(moving)), key=lambda each: -sum(each)):
+        yield dict.fromkeys((p.place[1] for p in of), 1.0) | dict(zip(moving, signs, strict=True))
+
+
+def _leaves(
+    arm: Arm, seen: Proposal, joints: Mapping[str, Track]
+) -> Callable[[Mapping[str, float]], Registration]:
+    """Return what signs of joints leave of a measured point."""
+    measured = seen.track()
+
+    def left(signs: Mapping[str, float]) -> Registration:
+        turned = {name: Track(t.time, signs.get(name, 1.0) * t.values) for name, t in joints.items()}
+        return registration(arm, seen.place[1], turned, measured)
+
+    return left
+
+
+def _tried_counts(
+    arm: Arm, seen: Proposal, known: Sequence[Proposal], counted: Sequence[Proposal]
+) -> Iterator[Hypothesis]:
+    """Yield what is left with the counted joints at rest, then with usual counts and all signs."""
+    joints = {p.place[1]: in_output(p, arm) for p in known}
+    geared = any(abs(gear_ratio(arm, p.place[1])) != 1 for p in counted)
+    options = [(count, gear) for gear in ((True, False) if geared else (False,)) for count in COUNTS]
+    for option in [(STILL, False), *options]:
+        here = joints | {p.place[1]: in_output(p, arm, option) for p in counted}
+        ratio = rigid_track(arm, seen.place[1], here, range(3)).size / seen.track().size
+        if option[0] != STILL and not SIZES[0] < ratio < SIZES[1]:
+            continue
+        left = _leaves(arm, seen, here)
+        for signs in _signs(counted) if option[0] != STILL else [{}]:
+            yield Hypothesis(signs, option, left(signs))
+
+
+def _give_signs(tried: Sequence[Hypothesis], joints: Sequence[Proposal], seen: Proposal) -> None:
+    """Give the signs of known joints."""
+    as_is, alike = tried[0], _alike(tried)
+    chosen = alike[0]
+    gain = chosen.left.rms / as_is.left.rms if as_is.left.rms > 0 else 1.0
+    in_axes = [h for h in alike if h.left.shifted <= ALIKE * h.left.rms]
+    if len(in_axes) == 1 and in_axes[0] is not chosen:  # a tracker along the base's axes tells more
+        chosen = in_axes[0]
+        gain = chosen.left.shifted / as_is.left.shifted
+    told = f"against the model's axis: {_left_of(chosen, seen)}, {_size(as_is.left.rms)} without"
+    for proposal in joints:
+        name = proposal.place[1]
+        if name in chosen.turned and gain <= NEARER:
+            proposal.keys["scale"], proposal.why["scale"] = -1.0, told
+        elif name in chosen.turned:
+            proposal.unknown["scale"] = f"the sign; with -1 {_left_of(chosen, seen)}"
+        others = [set(h.turned) ^ set(chosen.turned) for h in alike if h is not chosen]
+        if len(in_axes) != 1 and (mine := [sorted(names) for names in others if name in names]):
+            proposal.unknown["scale"] = f"the sign; with {' and '.join(mine[0])} turned the model fits alike"
+
+
+def _give_counts(
+    still: Hypothesis, tried: Sequence[Hypothesis], joints: Sequence[Proposal], seen: Proposal
+) -> None:
+    """Give counts per turn, one for all encoders that count, and their signs."""
+    alike = _alike(tried)
+    if not alike or alike[0].left.rms > NEARER * still.left.rms:
+        return
+    chosen = alike[0]
+    others = list(dict.fromkeys(h.option for h in alike if h.option != chosen.option and h.option))
+    assert chosen.option is not None
+    for proposal in joints:
+        proposal.keys["unit"] = {"counts_per_turn": chosen.option[0]}
+        proposal.why["unit"] = f"of usual counts: {_left_of(chosen, seen)}, {_size(still.left.rms)} at rest"
+        if chosen.option[1]:
+            proposal.keys["before_gear"] = True
+        if others:
+            proposal.unknown["unit"] = f"{', '.join(map(words_of, others))} fits almost as well"
+        if proposal.place[1] in chosen.turned:
+            proposal.keys["scale"], proposal.why["scale"] = -1.0, "against the model's axis, by the same"
+
+
+def _alike(tried: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Return the hypotheses that leave about as little as the best, those with fewer turned joints first."""
+    best = min((h.left.rms for h in tried), default=np.inf)
+    found = [h for h in tried if h.left.rms <= ALIKE * best]
+    return sorted(found, key=lambda h: (len(h.turned), h.left.rms))
+
+
+def _left_of(hypothesis: Hypothesis, seen: Proposal) -> str:
+    return f"the model comes to within {_size(hypothesis.left.rms)} rms of {seen.place[1]}"
+
+
+def _size(metres: float) -> str:
+    return f"{metres:.2g} m"
