@@ -219,9 +219,10 @@ def _stamps(
 ) -> Stamped:
     if texts is not None and (np.diff(texts.seconds[rows]) > 0).all():
         columns = texts.columns if len(texts.columns) > 1 else texts.columns[0]
-        found = _seconds(columns, texts.seconds[rows], None, "s", "they read as dates and times")
+        found = _seconds(columns, texts.seconds[rows], "s", "", "its texts read as dates and times")
         return replace(found, unit=None, form=texts.form, unknown=texts.unknown)
     rising = [c for c, v in arrays.items() if len(v) > 1 and np.isfinite(v).all() and (np.diff(v) > 0).all()]
+    rising.sort(key=lambda c: bool((np.diff(arrays[c]) == 1).all()))  # numbers of rows come last
     by_name = [column for column in rising if isinstance(column, str) and is_stamp(column)]
     if by_name or (rising and group.time is None and shared is None):
         column = (by_name or rising)[0]
@@ -229,7 +230,7 @@ def _stamps(
         samples = source.read(request)
         said = dict(zip(_columns(group), group.units, strict=False)).get(column, "")
         hint = unit_in(str(column), said)
-        why = "its name" if by_name else "the first column that rises throughout"
+        why = "its name" if by_name else "the first column that rises throughout and does not number rows"
         assert samples.time is not None
         unknown = "" if by_name else "whether these are the stamps"
         return _seconds(column, samples.time[rows], samples.time_unit, hint, why, unknown)

@@ -123,11 +123,17 @@ def _give_signs(tried: Sequence[Hypothesis], joints: Sequence[Proposal], seen: P
     if len(in_axes) == 1 and in_axes[0] is not chosen:  # a tracker along the base's axes tells more
         chosen = in_axes[0]
         gain = chosen.left.shifted / as_is.left.shifted
+    ordered = chosen.left.rms <= NEARER * min(h.left.mirrored for h in tried)
+    if "columns" in seen.unknown and ordered:
+        seen.unknown.pop("columns")
+        seen.why["columns"] += "; x, y, z up to a turn of their axes, by how near the model comes"
     told = f"against the model's axis: {_left_of(chosen, seen)}, {_size(as_is.left.rms)} without"
     for proposal in joints:
         name = proposal.place[1]
         if name in chosen.turned and gain <= NEARER:
             proposal.keys["scale"], proposal.why["scale"] = -1.0, told
+            if "columns" in seen.unknown:
+                proposal.unknown["scale"] = f"the sign holds if the columns of {seen.place[1]} are x, y, z"
         elif name in chosen.turned:
             proposal.unknown["scale"] = f"the sign; with -1 {_left_of(chosen, seen)}"
         others = [set(h.turned) ^ set(chosen.turned) for h in alike if h is not chosen]

@@ -12,7 +12,7 @@ import numpy as np
 from flexarm.arrays import Floats
 
 DATES = ("%m/%d/%Y", "%d/%m/%Y", "%d.%m.%Y", "%Y-%m-%d", "%Y/%m/%d")
-TIMES = ("%H:%M:%S.%f", "%H:%M:%S", "%I:%M:%S.%f %p", "%I:%M:%S %p")
+TIMES = ("%H:%M:%S.%f", "%H:%M:%S,%f", "%H:%M:%S", "%I:%M:%S.%f %p", "%I:%M:%S %p")
 FORMS = (*(f"{date} {time}" for date in DATES for time in TIMES), *TIMES)
 """Forms of stamps, those with a date first; month before day, as SpatialAnalyzer writes them, goes first."""
 LONGEST = 3
