@@ -107,6 +107,21 @@ def test_what_gives_most_of_a_mode_is_named():
     assert "bending of" in stiff
 
 
+def test_the_table_of_modes_tells_what_moves(tmp_path, capsys):
+    an_arm(2e3).to_toml(tmp_path / "arm.toml")
+    asked = ["modes", str(tmp_path / "arm.toml"), "--joint", "shoulder=0.7", "--joint", "elbow=0.9"]
+    assert command(asked) == 0
+    _, head, first, *_ = capsys.readouterr().out.splitlines()
+    assert head.endswith("moves most")
+    assert "joint elbow" in first and "motion" in first
+    stiff = Arm.from_dict(
+        {"links": [rigid("hand", 1.0, inertia=[1, 1, 1])], "joints": [hinge("wrist", "hand")]}
+    )
+    stiff.to_toml(tmp_path / "stiff.toml")
+    assert command(["modes", str(tmp_path / "stiff.toml")]) == 0
+    assert "none, as nothing with mass can vibrate" in capsys.readouterr().out
+
+
 def test_modes_play_about_the_equilibrium_of_their_pose():
     found = flexarm.modes(an_arm(), POSE, count=2)
     clip = of_modes(found).clips[1]
