@@ -23,15 +23,7 @@ def ended_early(remarks: Sequence[str]) -> bool:
 
 
 class Budget:
-    """Seconds that work may take, from now on.
-
-    Attributes
-    ----------
-    seconds : float
-        Wall-clock time [s]; infinite by default.
-    left_out : list of str
-        Work that no time was left for.
-    """
+    """Wall-clock time [s] that work may take from now on, by default infinite, and what none was left for."""
 
     def __init__(self, seconds: float | None = None) -> None:
         self.seconds = inf if seconds is None else float(seconds)

@@ -193,10 +193,7 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
 
     Steps are combinations of the columns of `basis`, shape (m, k), and spreads stay; default: all steps.
 
-    Raises
-    ------
-    NotConverged, InvalidParameter
-        If the start cannot be simulated.
+    Raise NotConverged or InvalidParameter if the start cannot be simulated.
     """
     policy, centre = estimation.policy, estimation.centre
     A = np.eye(len(u)) if basis is None else basis

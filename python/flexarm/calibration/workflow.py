@@ -47,9 +47,6 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, str], object] | None
 
-SHARE = 0.8
-"""Share of the work that is left after each step, in the progress: how many follow is not known."""
-
 
 @takes(
     arm=ARM,
@@ -130,6 +127,8 @@ def _calibration(
     progress: Progress,
 ) -> Calibration:
     """Return the calibration, within the budget of time."""
+    # Share of the work that is left after each step, in the progress: how many follow is not known.
+    share = 0.8
     begun, rules = time.monotonic(), policy or CalibrationPolicy()
     tell = progress or (lambda done, what: None)
     family_kinds(families)
@@ -147,7 +146,7 @@ def _calibration(
     estimation = _estimation(problem, families, rules)
     steps = count(1)
     posterior = shared_first(
-        estimation, estimation.centre, lambda what: tell(0.9 * (1 - SHARE ** next(steps)), what)
+        estimation, estimation.centre, lambda what: tell(0.9 * (1 - share ** next(steps)), what)
     )[-1]
     tell(0.9, "verifying")
     updated = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)

@@ -79,10 +79,7 @@ def _beside(
 ) -> tuple[dict[str, Any], list[str], Faults]:
     """Return records beside a model, and the sensors at fault.
 
-    Raises
-    ------
-    InvalidFile
-        If PATH is no model's file.
+    Raise InvalidFile if PATH is no model's file.
     """
     if _reader(path) is not _model:
         raise InvalidFile(path, "PATH", "is no model; records are checked beside one: check MODEL RECORD...")
@@ -129,10 +126,7 @@ def _model(path: Path) -> Told:
 def _loops(arm: Arm) -> dict[str, Any]:
     """Return where joints of loops stand when these are closed first, and how many conditions repeat others.
 
-    Raises
-    ------
-    InvalidParameter
-        If a loop cannot be closed.
+    Raise InvalidParameter if a loop cannot be closed.
     """
     from flexarm.assembly import loops_of
 

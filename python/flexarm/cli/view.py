@@ -10,6 +10,7 @@ import typer
 
 from flexarm.cli.options import AllowOutside, JointValues, blame, joint_values, load_arm, warn
 from flexarm.errors import InvalidFile, Problem
+from flexarm.reading import check_hdf5, reading
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
@@ -118,8 +119,6 @@ def _kind(path: Path) -> str:
     """Return "part" for a super-element, or the kind of result that a file holds."""
     import h5netcdf
 
-    from flexarm.reading import check_hdf5, reading
-
     check_hdf5(path)
     with reading(path, "NetCDF"), h5netcdf.File(path, "r") as file:
         return str(file.attrs.get("kind", "part"))
@@ -183,18 +182,16 @@ def _record_of(found: Diagnosis, folder: Path) -> Path | None:
 def _model_of(folder: Path) -> Path:
     """Return the only model that lies in a record's directory or beside it.
 
-    Raises
-    ------
-    InvalidFile
-        If there is none, or more than one.
+    Raise InvalidFile if there is none, or more than one.
     """
     beside = [*folder.glob("*.toml"), *folder.absolute().parent.glob("*.toml")]
     models = sorted(
         file for file in beside if "flexarm-arm/1" in file.read_text(encoding="utf-8", errors="replace")
     )
     if len(models) != 1:
-        there = ", ".join(str(file) for file in models) or "none"
-        raise InvalidFile(folder, "model", f"is not clear: beside the record lies {there}; --model names it")
+        what = f"is not clear: beside the record stand {', '.join(map(str, models))}"
+        what = what if models else "is not stated, and no model stands beside the record"
+        raise InvalidFile(folder, "model", f"{what}; --model names it")
     print(f"model: {models[0]}", file=sys.stderr)
     return models[0]
 

@@ -28,23 +28,22 @@ from flexarm.wording import number, with_unit
 if TYPE_CHECKING:
     from flexarm.viewer.measured import Measured
 
-SWEEP, SWEEP_SECONDS = 0.6, 4.0
-"""Turn with which the page of a model moves one joint [rad], and how long that takes [s]."""
-
 
 def of_arm(arm: Arm, joints: Mapping[str, float] | None = None, meshes: Meshes | None = None) -> Scene:
     """Return the undeformed arm at drive angles [rad, m], and each joint moved alone."""
+    # Turn with which the page of a model moves one joint [rad], and how long that takes [s].
+    sweep, sweep_seconds = 0.6, 4.0
     skeleton, angles = Skeleton(arm), at_rest(arm, joints or {})
     still = skeleton.rigid(angles)
     size = _size(still.x)
     clips = [Clip("at rest", np.zeros(1), still, "the undeformed arm, without effects")]
     looped = loop_joints(arm)
-    time = np.linspace(0, SWEEP_SECONDS, 2 * STYLE.mode_frames)
+    time = np.linspace(0, sweep_seconds, 2 * STYLE.mode_frames)
     for i, joint in enumerate(arm.joints):
         if joint.moves and joint.name not in {gear.output for gear in arm.gears}:
-            reach = SWEEP if joint.type == "revolute" else 0.15 * size
+            reach = sweep if joint.type == "revolute" else 0.15 * size
             moved = np.repeat(angles, len(time), axis=0)
-            moved[:, i] += reach * np.sin(2 * np.pi * time / SWEEP_SECONDS)
+            moved[:, i] += reach * np.sin(2 * np.pi * time / sweep_seconds)
             moved = _closed(arm, moved[:, i], joint.name) if joint.name in looped else _geared(arm, moved)
             text = f"{joint.name} moved by {with_unit(reach, 'rad' if joint.type == 'revolute' else 'm')}"
             if len(moved):
@@ -84,10 +83,7 @@ def of_statics(found: Statics, scale: float | None = None, meshes: Meshes | None
 def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
     """Return the mode shapes about the equilibrium, slowed so that one period takes two seconds.
 
-    Raises
-    ------
-    InvalidParameter
-        If the modes do not say where the arm stood, as those that older versions stored.
+    Raise InvalidParameter if the modes do not say where the arm stood, as those that older versions stored.
     """
     skeleton, rest, shapes = _shapes(found)
     assert found.drive_angle is not None  # without it there are no shapes
