@@ -30,10 +30,7 @@ class Kind:
 def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Check arguments by name before a function runs; a default is always allowed.
 
-    Raises
-    ------
-    InvalidParameter
-        From the function: the argument, what it must be and what it is.
+    Raise InvalidParameter from the function: the argument, what it must be and what it is.
     """
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
@@ -64,10 +61,7 @@ def holds(**kinds: Kind) -> Callable[[type[Made]], type[Made]]:
 def require(kind: Kind, name: str, value: object) -> None:
     """Check one argument.
 
-    Raises
-    ------
-    InvalidParameter
-        With its name, what it must be and what it is.
+    Raise InvalidParameter with its name, what it must be and what it is.
     """
     if not kind.accepts(value):
         raise InvalidParameter(f"must be {kind.words}, got {_told(value)}", where=name)

@@ -7,23 +7,23 @@ print(*budget.remarks)
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from math import inf
 from time import monotonic
 
+BUDGET = "the budget of"
+"""How the remark on what was left out begins."""
+
+
+def ended_early(remarks: Sequence[str]) -> bool:
+    """Return True if one of the remarks says that a budget ended before all was done."""
+    return any(remark.startswith(BUDGET) for remark in remarks)
+
 
 class Budget:
-    """Seconds that work may take, from now on.
-
-    Attributes
-    ----------
-    seconds : float
-        Wall-clock time [s]; infinite by default.
-    left_out : list of str
-        Work that no time was left for.
-    """
+    """Wall-clock time [s] that work may take from now on, by default infinite, and what none was left for."""
 
     def __init__(self, seconds: float | None = None) -> None:
         self.seconds = inf if seconds is None else float(seconds)
@@ -43,7 +43,7 @@ class Budget:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Return a sentence on what was left out; none if all was done."""
-        done = f"the budget of {self.seconds:g} s ended before {', '.join(self.left_out)}"
+        done = f"{BUDGET} {self.seconds:g} s ended before {', '.join(self.left_out)}"
         return (done,) if self.left_out else ()
 
 

@@ -25,12 +25,7 @@ else:
 def lock(file: int) -> None:
     """Lock an open file, or raise at once.
 
-    Raises
-    ------
-    BlockingIOError
-        If another open file holds the lock.
-    OSError
-        If the file system has no locks.
+    Raise BlockingIOError if another open file holds the lock, and OSError if the file system has no locks.
     """
     if sys.platform == "win32":
         try:

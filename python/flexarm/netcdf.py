@@ -58,10 +58,7 @@ def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> N
 
     It is made in memory: HDF5 crashes at exit where it could not write.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be written.
+    Raise InvalidFile if the file cannot be written.
     """
     image = BytesIO()
     _write(contents, image)

@@ -121,10 +121,7 @@ def output_file(path: str | Path, inputs: Iterable[Path] = ()) -> Iterator[Path]
 
     The directory of `path` is there; a file of that name is replaced, one of the inputs never.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is being written by another process, is an input, or cannot be written.
+    Raise InvalidFile if the file is being written by another process, is an input, or cannot be written.
     """
     target = Path(path)
     if not target.parent.is_dir():
@@ -146,10 +143,7 @@ def output_file(path: str | Path, inputs: Iterable[Path] = ()) -> Iterator[Path]
 def write_file(path: str | Path, content: str | bytes | memoryview, inputs: Iterable[Path] = ()) -> None:
     """Write a file, which appears when it is whole; text in UTF-8.
 
-    Raises
-    ------
-    InvalidFile
-        As `output_file`.
+    Raise InvalidFile as `output_file`.
     """
     with output_file(path, inputs) as partial:
         partial.write_bytes(content.encode() if isinstance(content, str) else content)
@@ -158,10 +152,7 @@ def write_file(path: str | Path, content: str | bytes | memoryview, inputs: Iter
 def refuse_existing(path: Path, force: bool, inputs: Iterable[Path] = ()) -> None:
     """Refuse a place where a file cannot go, before the work is done rather than after it.
 
-    Raises
-    ------
-    InvalidFile
-        If the place is no file's, there is a file and no `force`, or the file is an input.
+    Raise InvalidFile if the place is no file's, there is a file and no `force`, or the file is an input.
     """
     if path.is_dir() or not path.absolute().parent.is_dir():
         raise InvalidFile(path, "output", "must be a file in a directory that exists")
@@ -237,10 +228,7 @@ def _note(target: Path) -> None:
 class _Claim:
     """A place that no other process writes to, and a hidden directory of which nothing is left at the end.
 
-    Attributes
-    ----------
-    partial : Path
-        What is written, in the hidden directory.
+    What is written lies in that directory at `partial`.
     """
 
     def __init__(self, target: Path) -> None:
@@ -308,10 +296,7 @@ def _make_parents(directory: Path, made: list[Path]) -> None:
 def _lock(hidden: Path, target: Path) -> int:
     """Return the open file whose lock claims the hidden directory.
 
-    Raises
-    ------
-    InvalidFile
-        If another run holds it.
+    Raise InvalidFile if another run holds it.
     """
     while True:
         made = not hidden.is_dir()

@@ -28,19 +28,12 @@ EXPANSION = 20
 """Times its size that a compressed file may unfold to, above `SMALL`: numbers with noise shrink far less."""
 OUTSIDE: ContextVar[bool] = ContextVar("OUTSIDE", default=False)
 """True if records may name files outside their directories, see --allow-outside."""
-DEEPEST_INCLUDE = 20
-"""Files that may include one another in turn."""
-MOST_INCLUDES = 1000
-"""Files that a mesh may include in all."""
 
 
 def regular_file(path: str | Path) -> Path:
     """Return the path, if a regular file is there that may be read; links are followed.
 
-    Raises
-    ------
-    InvalidFile
-        If nothing is there, or a directory, pipe, device or socket, which might never end.
+    Raise InvalidFile if nothing is there, or a directory, pipe, device or socket, which might never end.
     """
     try:
         mode = Path(path).stat().st_mode
@@ -69,10 +62,7 @@ def is_inside(path: Path, folder: Path) -> bool:
 def any_text(path: str | Path) -> str:
     """Return the text of another program's file: UTF-8, or UTF-16 that says so, or else Latin-1.
 
-    Raises
-    ------
-    InvalidFile
-        If it is no regular file, or cannot be read.
+    Raise InvalidFile if it is no regular file, or cannot be read.
     """
     with reading(regular_file(path), "text"):
         raw = Path(path).read_bytes()
@@ -115,11 +105,10 @@ class Includes:
     def into(self, file: Path, where: str, name: str) -> Iterator[Path]:
         """Yield the file that `name` is, relative to the one that includes it, while it is read.
 
-        Raises
-        ------
-        InvalidFile
-            If it is not there, includes itself, lies too deep, or is one too many.
+        Raise InvalidFile if it is not there, includes itself, lies too deep, or is one too many.
         """
+        most_includes = 1000  # files that a mesh may include in all
+        deepest_include = 20  # files that may include one another in turn
         path = file.parent / name
         try:
             regular_file(path)
@@ -130,8 +119,8 @@ class Includes:
         self.count += 1
         if path.resolve() in self.open:
             raise InvalidFile(file, where, f"{name!r} is being read already: files include one another")
-        if len(self.open) > DEEPEST_INCLUDE or self.count > MOST_INCLUDES:
-            what = f"includes go at most {DEEPEST_INCLUDE} deep and are at most {MOST_INCLUDES} in all"
+        if len(self.open) > deepest_include or self.count > most_includes:
+            what = f"includes go at most {deepest_include} deep and are at most {most_includes} in all"
             raise InvalidFile(file, where, what)
         yield path
         self.open.pop()

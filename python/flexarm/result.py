@@ -51,10 +51,7 @@ class Result(ABC):
 
         A file of that name is replaced, unless it is an input or a super-element of the model.
 
-        Raises
-        ------
-        InvalidFile
-            If the file cannot be written.
+        Raise InvalidFile if the file cannot be written.
         """
         save(self.contents(), path, [*self.arm.part_files, *inputs])
 
@@ -101,10 +98,7 @@ def provenance(arm: Arm) -> dict[str, str]:
 def load(path: str | Path, kind: str) -> xr.Dataset:
     """Read the result of a kind that was saved.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is missing, is no NetCDF file, or holds another kind of result.
+    Raise InvalidFile if the file is missing, is no NetCDF file, or holds another kind of result.
     """
     import xarray as xr
 
@@ -120,10 +114,7 @@ def load(path: str | Path, kind: str) -> xr.Dataset:
 def model_of(dataset: xr.Dataset, path: str | Path = "dataset") -> Arm:
     """Return the arm that a stored result was computed with.
 
-    Raises
-    ------
-    InvalidFile
-        If the file holds no model, or one that is not allowed.
+    Raise InvalidFile if the file holds no model, or one that is not allowed.
     """
     import tomllib
 

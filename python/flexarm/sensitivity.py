@@ -140,10 +140,8 @@ def varied(
 
     There is one for each parameter that moves the arm or, with `redrive` of a run along a record, its drives.
 
-    Raises
-    ------
-    InvalidParameter
-        If a parameter shapes an arm with closed loops: conditions of closures have no derivative by it.
+    Raise InvalidParameter if a parameter shapes an arm with closed loops: conditions of closures have no
+    derivative by it.
     """
     found, places = [], []
     for k, parameter in enumerate(wanted):

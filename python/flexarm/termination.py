@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import NoReturn
 
-PATIENCE = 0.1
-"""Time that the main thread has to exit by itself [s]."""
 WAYS = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")}
 """Exit code and word of each signal."""
 
@@ -103,10 +101,11 @@ def _leave(number: int, frame: object) -> NoReturn:
 
 def _watch(told: int) -> None:
     """Leave in place of a main thread that has not done so."""
+    patience = 0.1  # time that the main thread has to exit by itself [s]
     while True:
         number = os.read(told, 1)[0]
         if number in WAYS:
-            time.sleep(PATIENCE)
+            time.sleep(patience)
             while signal.getsignal(number) is not _leave:  # held back while output moves to its place
-                time.sleep(PATIENCE / 10)
+                time.sleep(patience / 10)
             _leave(number, None)

@@ -12,9 +12,6 @@ from functools import cache
 from importlib import _bootstrap
 from typing import TypeVar
 
-PATIENCE = 10.0
-"""How long a fork waits for modules to be imported [s]."""
-
 
 def thread_pool(threads: int) -> ThreadPoolExecutor:
     """Return a pool of so many threads, which import what they need while they work."""
@@ -34,7 +31,8 @@ def _wait_for_imports() -> None:
     Its lock would go along into the forked process, where no thread is left to free it, and the next import
     of the module would wait for ever.
     """
-    until = time.monotonic() + PATIENCE
+    patience = 10.0  # how long a fork waits for modules to be imported [s]
+    until = time.monotonic() + patience
     while _others_import() and time.monotonic() < until:
         time.sleep(0.001)
 

@@ -60,10 +60,7 @@ def si_factor(unit: str, allowed: tuple[str, ...]) -> tuple[str, float]:
 
     Allowed are ("rad", "m") for the angle of a joint that may be prismatic.
 
-    Raises
-    ------
-    InvalidParameter
-        If `unit` belongs to none of them.
+    Raise InvalidParameter if `unit` belongs to none of them.
     """
     for si in allowed:
         factor = factor_to(si, unit)

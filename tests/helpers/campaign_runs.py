@@ -9,9 +9,9 @@ import numpy as np
 from arms import TUBE, beam, hinge, point
 
 import flexarm
-from flexarm.campaigns.distributions import Distribution
 from flexarm.campaigns.job import Job, Task
 from flexarm.campaigns.outcome import Variable
+from flexarm.campaigns.sampling import Distribution
 from flexarm.campaigns.study import Study
 from flexarm.campaigns.variation import Variation, variation_of
 

@@ -42,7 +42,7 @@ def test_runs_that_are_stopped_are_left_out():
     assert flexarm.simulate_all([(ARM, drive)] * 3, stop=lambda: True) == []
 
 
-def test_a_diagnosis_concludes_from_what_it_has_fitted():
+def test_a_diagnosis_concludes_from_what_it_has_fitted(tmp_path):
     t = np.linspace(0, 4, 201)
     drive = flexarm.Drive.from_samples(t, {"hinge": 0.5 * smooth_step(t / 4)})
     soft = ARM.with_effect(read_effect({"name": "joint_compliance", "at": "hinge", "stiffness": 2e5}))
@@ -61,8 +61,31 @@ def test_a_diagnosis_concludes_from_what_it_has_fitted():
     [said] = [remark for remark in found.remarks if remark.startswith("the budget of 2.5 s ended")]
     assert "all effects were screened" in said
     assert "all moves of the search were made" in said
+    told = found.summary()
+    assert "no known effect" not in told
+    assert told.startswith("A gap remains, and the time for the search ended")
+    found.save(tmp_path / "out")
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "no known effect" not in page
+    assert "of what was tried in the time given, nothing leaves only noise" in page
 
 
 def test_a_budget_must_be_positive():
     with pytest.raises(flexarm.InvalidParameter, match="max_seconds: must be a positive, finite number"):
         flexarm.diagnose(ARM, [], max_seconds=-1.0)
+
+
+def test_a_calibration_ends_with_the_estimates_that_it_has():
+    """No time is left after the first step: it says so, and how far from rest the estimates are."""
+    t = np.linspace(0, 4, 201)
+    drive = flexarm.Drive.from_samples(t, {"hinge": 0.5 * smooth_step(t / 4)})
+    soft = ARM.with_effect(read_effect({"name": "joint_compliance", "at": "hinge", "stiffness": 2e5}))
+    run = flexarm.simulate(soft, drive, step=5e-3)
+    record = flexarm.measure(run, ARM.sensors, np.random.default_rng(1), drive=["hinge"])
+    brief = flexarm.calibrate(ARM, record, ["joint_compliance"], jobs=1, step=5e-3, max_seconds=1e-9)
+    whole = flexarm.calibrate(ARM, record, ["joint_compliance"], jobs=1, step=5e-3)
+    assert "the budget of 1e-09 s ended before the estimates came to rest" in brief.remarks
+    assert any("not at rest after 1 steps" in remark for remark in brief.remarks)
+    assert not any("budget" in remark for remark in whole.remarks)
+    (stiffness,) = [p for p in whole.parameters if p.name.endswith("stiffness")]
+    assert stiffness.value == pytest.approx(2e5, rel=0.01)

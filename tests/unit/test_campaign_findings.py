@@ -10,10 +10,9 @@ from scipy.stats import sobol_indices, uniform
 import flexarm
 from flexarm import InvalidParameter
 from flexarm.campaigns.diagnose_run import DiagnoseRun
-from flexarm.campaigns.distributions import Distribution
 from flexarm.campaigns.findings import findings_of
 from flexarm.campaigns.indices import SeriesIndices, from_saltelli, from_samples
-from flexarm.campaigns.sampling import samples
+from flexarm.campaigns.sampling import Distribution, samples
 from flexarm.campaigns.study import Sampling
 from flexarm.campaigns.trends import times_of, trend
 from flexarm.report.campaign import page

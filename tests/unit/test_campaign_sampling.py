@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from flexarm.campaigns.distributions import Distribution
-from flexarm.campaigns.sampling import samples
+from flexarm.campaigns.sampling import Distribution, samples
 from flexarm.campaigns.study import Sampling
 
 N = 4096

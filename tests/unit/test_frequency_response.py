@@ -131,6 +131,27 @@ def test_what_cannot_be_is_an_error(folder, old, new, said):
     assert said in str(error.value)
 
 
+def test_a_record_of_responses_is_called_that(folder, capsys):
+    arm().to_toml(folder / "arm.toml")
+    assert run(["check", str(folder)]) == 0
+    said = capsys.readouterr().out
+    assert "signal hammer: force at tip [N], the input of responses" in said
+    assert "poses" not in said
+    view = ["view", str(folder), "--model", str(folder / "arm.toml"), "--out", str(folder / "page.html")]
+    assert run(view) == 2
+    assert "holds frequency responses; only motions are shown" in capsys.readouterr().err
+
+
+def test_bands_without_frequencies_are_not_told(folder):
+    whole = flexarm.compare_responses(arm(), flexarm.Record.load(folder))
+    assert len(whole.signals["imu"].bands) == 3
+    text = (folder / "frf.csv").read_text().splitlines()
+    first = 1 + int(np.searchsorted(FREQUENCY, 0.6 * whole.modes_hz[0]))
+    (folder / "frf.csv").write_text("\n".join([text[0], *text[first:]]) + "\n")
+    cut = flexarm.compare_responses(arm(), flexarm.Record.load(folder))
+    assert len(cut.signals["imu"].bands) == 2
+
+
 def test_frequencies_must_rise(folder):
     text = (folder / "frf.csv").read_text().splitlines()
     (folder / "frf.csv").write_text("\n".join([*text[:3], text[2], *text[3:]]) + "\n")

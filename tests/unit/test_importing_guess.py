@@ -277,6 +277,28 @@ def test_a_joint_that_runs_against_the_model_is_turned(logs, axes):
         assert "the sign; with lift and pan turned the model fits alike" in text
 
 
+def bare_tracker(logs, order):
+    """A tracker's file without names, in the base's axes, with its columns in some order."""
+    arm = Arm.from_toml(logs / "arm.toml")
+    t = np.arange(0, 8, 0.02)
+    rows = [
+        f"{k + 1} {s:.2f} " + " ".join(f"{p[axis]:.4f}" for axis in order)
+        for k, (s, p) in enumerate(zip(t, 1000 * place(arm, t), strict=True))
+    ]
+    (logs / "bare.txt").write_text("\n".join(rows) + "\n")
+
+
+def test_the_handedness_of_bare_columns_is_open_where_a_mirrored_motion_is_as_near(logs):
+    """Exchanged columns are a mirrored motion, which the model makes with one joint turned.
+
+    The first column numbers the rows; the stamps are the second.
+    """
+    bare_tracker(logs, (0, 2, 1))
+    _, text = guessed(logs, "robot.csv", "bare.txt")
+    assert "# unknown: columns: whether they are x, y, z in this order" in text
+    assert 0 < text.count("scale = -1.0") <= text.count("# unknown: scale: the sign")
+
+
 def test_signs_that_agree_with_the_model_stay(logs):
     data, _ = guessed(logs, "robot.csv", "tracker.csv")
     assert not any("scale" in each for each in data["signals"])
@@ -319,7 +341,8 @@ def test_targets_of_a_tracker_and_its_dates_are_told_apart(logs):
             stamp = (start + timedelta(seconds=float(t))).strftime("%m/%d/%Y %H:%M:%S.%f")[:-3]
             rows.append(f"A {group} p{k} {x:.4f} {y:.4f} {z:.4f} {stamp}")
     (logs / "sa.txt").write_text("\n".join(rows) + "\n")
-    data, _ = guessed(logs, "robot.csv", "sa.txt")
+    data, text = guessed(logs, "robot.csv", "sa.txt")
+    assert "time = [7, 8]  # its texts read as dates and times; the source says its unit; 50 Hz" in text
     (tip,) = [each for each in data["signals"] if each["name"] == "tip"]
     assert (tip["time"], tip["time_format"]) == ([7, 8], "%m/%d/%Y %H:%M:%S.%f")
     assert (tip["where"], tip["columns"]) == ({"2": "Tool"}, [4, 5, 6])
@@ -355,6 +378,7 @@ def test_columns_that_never_change_are_no_signals_and_numbers_name_joints(logs):
         (["09/13/2026 11:59:59.5 PM", "09/14/2026 12:00:00.5 AM"], "%m/%d/%Y %I:%M:%S.%f %p", 1.0),
         (["14.09.2026 14:00:07", "14.09.2026 14:00:08"], "%d.%m.%Y %H:%M:%S", 1.0),
         (["23:59:58.25", "23:59:59.00"], "%H:%M:%S.%f", 0.75),
+        (["14.09.2026 23:59:58,25", "14.09.2026 23:59:59,00"], "%d.%m.%Y %H:%M:%S,%f", 0.75),
     ],
 )
 def test_forms_of_dates_are_seen(columns, form, seconds):
@@ -368,3 +392,10 @@ def test_a_date_that_reads_two_ways_says_so():
     assert found is not None and found.columns == ("d", "t")
     assert found.unknown == "which of %d/%m/%Y and %m/%d/%Y the date is"
     assert text_stamps([1], [["p1", "p2"]]) is None
+
+
+def test_half_of_the_day_may_stand_in_a_column_of_its_own():
+    names = ["p9", "p10"]
+    found = text_stamps([1, 5, 6, 7], [names, ["9/14/2026"] * 2, ["11:59:59", "12:00:00"], ["AM", "PM"]])
+    assert found is not None and (found.columns, found.form) == ((5, 6, 7), "%m/%d/%Y %I:%M:%S %p")
+    assert np.diff(found.seconds).tolist() == [1.0]

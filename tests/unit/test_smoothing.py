@@ -9,7 +9,9 @@ from scipy.interpolate import CubicSpline, PPoly
 from scipy.signal import StateSpace, lsim
 
 from flexarm.errors import InvalidParameter
-from flexarm.measurement.smoothing import interpolate, smooth
+from flexarm.measurement.least_squares_spline import constant_in, fit_spline
+from flexarm.measurement.penalised_spline import PASS, with_penalty
+from flexarm.measurement.smoothing import _layout, interpolate, smooth
 
 TRACKER_NOISE = 5e-5  # m, the laser tracker of the paper
 LENGTH, MODE_HZ, DAMPING = 3.0, 2.5, 0.005
@@ -127,6 +129,50 @@ def test_drive_and_two_derivatives_are_continuous():
         lengths = np.diff(breaks)[:-1]
         before = np.array([np.polyval(c, h) for c, h in zip(derivative.c.T[:-1], lengths, strict=True)])
         assert np.abs(before - derivative(breaks[1:-1])).max() < 1e-8 * scale
+
+
+def test_breaks_do_not_ring_a_mode_at_their_own_spacing():
+    """The error of a plain spline through exact samples rings such a mode by more than the noise.
+
+    The amplitude at a frequency w is w |integral of e exp(i w t)|, here within a window that ends softly.
+    """
+    t, noise_std = np.linspace(0, 2, 201), 1e-6
+    fine = np.linspace(0, 2, 4001)
+    motion, exact = (0.1 * np.sin(np.pi * x / 2) ** 2 * np.cos(1.5 * x) for x in (t, fine))
+    sparse, at_rest, _ = _layout(t.tobytes(), motion.tobytes(), noise_std)
+    mode = 2 * np.pi / np.median(np.diff(t[sparse]))
+
+    def ringing(spline):
+        error = (spline(fine) - exact) * np.hanning(fine.size)
+        return mode * abs(np.sum(error * np.exp(1j * mode * fine))) * fine[1]
+
+    plain = ringing(fit_spline(t, motion, sparse, at_rest)[0])
+    assert plain > noise_std
+    assert ringing(held(smooth(t, motion, noise_std))) < plain / 10
+
+
+def test_a_penalised_spline_is_a_filter_of_the_stated_passband():
+    """H = 1 / (1 + (omega / omega_c)^8) in the middle, where ends are far: 1 % for dense breaks."""
+    t = np.arange(0, 20, 0.005)
+    breaks = np.append(np.arange(0, len(t) - 1, 40), len(t) - 1)  # 0.2 s
+    dense, equal, weights = with_penalty(t, breaks, ())
+    for part in (0.4, 0.8, 1.0, 1.3):
+        omega = part * PASS / 0.2
+        fitted = fit_spline(t, np.sin(omega * t), dense, equal=equal, penalty=weights)[1]
+        middle = slice(1000, 3000)
+        passed = np.sum(fitted[middle] * np.sin(omega * t[middle])) / np.sum(np.sin(omega * t[middle]) ** 2)
+        assert passed == pytest.approx(1 / (1 + part**8), abs=0.01)
+
+
+def test_dense_breaks_keep_the_constant_intervals_of_dwells():
+    """Coefficients that a dwell makes equal stay those of its interval, whose length does not change."""
+    t = np.linspace(0, 1, 101)
+    breaks = np.array([0, 20, 40, 60, 80, 100])
+    dense, equal, weights = with_penalty(t, breaks, constant_in([2]))
+    spline, _ = fit_spline(t, np.sin(3 * t), dense, equal=equal, penalty=weights)
+    within = spline(np.linspace(0.4, 0.6, 20))
+    np.testing.assert_allclose(within, within[0], atol=1e-14)
+    assert np.ptp(spline(np.linspace(0.0, 0.4, 20))) > 0.1
 
 
 def test_gaps_and_jitter_do_no_harm():

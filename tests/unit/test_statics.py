@@ -95,6 +95,7 @@ def test_plot_summary_and_repr(found):
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [m]", "z [m]")
     plt.close(figure)
     assert "equilibrium of paper" in found.summary()
+    assert "-0.0000," not in found.summary() and "-0.00000\n" not in found.summary()
     assert repr(found).startswith("<Statics of 'paper': 1 points, moved up to")
 
 

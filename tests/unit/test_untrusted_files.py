@@ -15,7 +15,7 @@ from parts import frame_part
 
 from flexarm import Arm, InvalidFile, Record, Simulation, State, SuperElement, read_mesh
 from flexarm.errors import Problem
-from flexarm.linear.mat_file import read_mat
+from flexarm.linear.matlab import read_mat
 from flexarm.reading import regular_file
 
 
@@ -44,7 +44,7 @@ import struct, sys
 import numpy as np
 from scipy.io import savemat
 from flexarm import InvalidFile
-from flexarm.linear.mat_file import read_mat
+from flexarm.linear.matlab import read_mat
 savemat("a.mat", {"A": np.eye(3), "kind": "linear model"})
 sound = open("a.mat", "rb").read()
 for at in range(128, len(sound) - 4, 4):
@@ -76,7 +76,7 @@ def test_mat_files_are_read_as_scipy_reads_them(tmp_path: Path, compressed: bool
 def test_a_mat_file_that_unfolds_without_end_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("flexarm.linear.mat_file.SMALL", 2**16)
+    monkeypatch.setattr("flexarm.linear.matlab.SMALL", 2**16)
     packed = zlib.compress(bytes(2**18))
     header = b" " * 124 + b"\x00\x01IM"
     (tmp_path / "a.mat").write_bytes(

@@ -107,6 +107,21 @@ def test_what_gives_most_of_a_mode_is_named():
     assert "bending of" in stiff
 
 
+def test_the_table_of_modes_tells_what_moves(tmp_path, capsys):
+    an_arm(2e3).to_toml(tmp_path / "arm.toml")
+    asked = ["modes", str(tmp_path / "arm.toml"), "--joint", "shoulder=0.7", "--joint", "elbow=0.9"]
+    assert command(asked) == 0
+    _, head, first, *_ = capsys.readouterr().out.splitlines()
+    assert head.endswith("moves most")
+    assert "joint elbow" in first and "motion" in first
+    stiff = Arm.from_dict(
+        {"links": [rigid("hand", 1.0, inertia=[1, 1, 1])], "joints": [hinge("wrist", "hand")]}
+    )
+    stiff.to_toml(tmp_path / "stiff.toml")
+    assert command(["modes", str(tmp_path / "stiff.toml")]) == 0
+    assert "none, as nothing with mass can vibrate" in capsys.readouterr().out
+
+
 def test_modes_play_about_the_equilibrium_of_their_pose():
     found = flexarm.modes(an_arm(), POSE, count=2)
     clip = of_modes(found).clips[1]
@@ -116,6 +131,28 @@ def test_modes_play_about_the_equilibrium_of_their_pose():
     assert abs(moved @ found.shape[1, 0, :3]) == pytest.approx(
         np.linalg.norm(moved) * np.linalg.norm(found.shape[1, 0, :3]), rel=1e-6
     )
+
+
+def test_what_turns_in_a_mode_keeps_its_shape():
+    """A wrist's mode turns a hand far before its load moves far: the load stays at its distance, to second
+    order of the turn, sqrt(1 + 0.4^2) - 1 = 8 %.
+    """
+    arm = Arm.from_dict(
+        {
+            "joints": [
+                hinge("shoulder", "boom"),
+                {**hinge("wrist", "hand", "boom", at="end"), "axis": [0, 0, 1]},
+            ],
+            "links": [beam("boom", [0, 0, 4.0], TUBE), rigid("hand", 5.0, [0, 0, 0.1], [0.1, 0.1, 0.1])],
+            "points": [point("wrist", "hand", [0, 0, 0]), point("load", "hand", [0.25, 0, 0.3])],
+            "payloads": [{"name": "load", "link": "hand", "position": [0.25, 0, 0.3], "mass": 20.0}],
+            "effects": [{"name": "joint_compliance", "at": "wrist", "stiffness": 3e4}],
+        }
+    )
+    scene, bones = of_modes(flexarm.modes(arm, count=6)), Skeleton(arm).points
+    for clip in scene.clips:
+        away = np.linalg.norm(clip.poses.x[:, bones["load"]] - clip.poses.x[:, bones["wrist"]], axis=1)
+        assert away == pytest.approx(away[0], rel=0.08), clip.text
 
 
 def test_measured_points_stand_off_by_the_gap(tmp_path, run):

@@ -36,11 +36,6 @@ from flexarm.errors import InvalidParameter
 
 Array = NDArray[np.float64]
 
-MAX_MODES = 150
-"""Hyperbolic functions in (A5) overflow beyond λ of about 700, some 220 modes."""
-SMALLEST_WAVENUMBER = 0.02
-"""Below it the trial functions (A4) are too alike: 1 - cos cosh loses eight of its sixteen digits."""
-
 
 @dataclass(frozen=True)
 class EndConditions:
@@ -124,8 +119,9 @@ def exact_modes(link: FlexibleLink, count: int, hub_stiffness: float = math.inf)
     InvalidParameter
         If a value is out of its range.
     """
-    if not 1 <= count <= MAX_MODES:
-        raise InvalidParameter(f"number of exact modes must lie in 1 to {MAX_MODES}, got {count}")
+    max_modes = 150  # hyperbolic functions in (A5) overflow beyond λ of about 700, some 220 modes
+    if not 1 <= count <= max_modes:
+        raise InvalidParameter(f"number of exact modes must lie in 1 to {max_modes}, got {count}")
     ends = EndConditions.of(link, hub_stiffness)
     wavenumbers = np.array([wavenumber(ends, k) for k in range(count)])
     coefficients = np.array([_null_vector(ends, lam) for lam in wavenumbers])
@@ -141,13 +137,15 @@ def wavenumber(ends: EndConditions, index: int) -> float:
     """Return the root λ of the frequency equation with `index` roots below it."""
     from scipy.optimize import brentq
 
+    # Below it the trial functions (A4) are too alike: 1 - cos cosh loses eight of its sixteen digits.
+    smallest_wavenumber = 0.02
     if ends.hub_stiffness == 0 and index == 0:
         return 0.0
-    low, high = SMALLEST_WAVENUMBER, math.pi
+    low, high = smallest_wavenumber, math.pi
     if frequencies_below(ends, low) > index:
         raise InvalidParameter(
             f"hub spring is too soft for a frequency of its own: k_r L/EI = {ends.hub_stiffness:.3g}, "
-            f"lambda below {SMALLEST_WAVENUMBER}; use a pinned hub (0)"
+            f"lambda below {smallest_wavenumber}; use a pinned hub (0)"
         )
     while frequencies_below(ends, high) <= index:
         low, high = high, high + math.pi

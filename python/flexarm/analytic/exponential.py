@@ -30,8 +30,6 @@ import numpy as np
 from flexarm.analytic.nonlinear_modal import Array
 from flexarm.errors import NotConverged
 
-LARGEST_STATE = 1e9
-"""No arm moves 1e9 kg^½ m or as much per second; beyond it the step is too long for the nonlinear part."""
 _THIRDS = np.arange(4) / 3
 _CUBIC = np.linalg.inv(np.vander(_THIRDS, 4, increasing=True))
 """Coefficients g_j of the cubic through values at 0, h/3, 2h/3, h."""
@@ -92,6 +90,8 @@ def phi_functions(Z: Array, highest: int) -> tuple[Array, ...]:
 
 def march(A: Array, advance: Advance, z: Array, time: Array, step: float) -> Array:
     """Return states at `time`, in equal steps no longer than `step` in each interval; shape (n, len(z))."""
+    # No arm moves 1e9 kg^½ m or as much per second; beyond it the step is too long for the nonlinear part.
+    largest_state = 1e9
     propagators: dict[float, Propagator] = {}
     states = [z]
     for start, stop in pairwise(time):
@@ -102,7 +102,7 @@ def march(A: Array, advance: Advance, z: Array, time: Array, step: float) -> Arr
             propagators[key] = Propagator.of(A, h)
         for k in range(n_steps):
             z = advance(propagators[key], start + k * h, z)
-            if not np.abs(z).max() < LARGEST_STATE:
+            if not np.abs(z).max() < largest_state:
                 reached = float(start + (k + 1) * h)
                 raise NotConverged(f"t = {reached:.4g} s: the motion grows without bound", time=reached)
         states.append(z)

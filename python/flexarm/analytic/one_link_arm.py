@@ -48,10 +48,8 @@ class OneLinkArm:
     def of(cls, arm: Arm) -> OneLinkArm:
         """Take the data of a model.
 
-        Raises
-        ------
-        InvalidParameter
-            If the arm is not one beam on one revolute joint as described above; says what is in the way.
+        Raise InvalidParameter if the arm is not one beam on one revolute joint as described above; says what
+        is in the way.
         """
         joint, beam = _one_joint_one_beam(arm)
         link = _flexible_link(arm, beam)

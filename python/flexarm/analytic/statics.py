@@ -23,7 +23,6 @@ from flexarm.analytic.nonlinear_modal import Array, NonlinearModal
 from flexarm.errors import InvalidParameter, NotConverged
 
 Equation = NonlinearModal | LinearModal
-MAX_ITERATIONS = 50
 
 
 @dataclass(frozen=True)
@@ -58,11 +57,10 @@ def rigid_rotation(arm: Equation) -> Array:
 def equilibrium(arm: Equation, drive_angle: float, stiffness: float = math.inf) -> Array:
     """Return the coordinates q at rest under a held motor angle φ [rad], on a spring k [N m/rad]; inf: rigid.
 
-    Raises
-    ------
-    NotConverged
-        If Newton's iterations find no equilibrium (the arm buckles, or the spring is too soft for the load).
+    Raise NotConverged if Newton's iterations find no equilibrium (the arm buckles, or the spring is too soft
+    for the load).
     """
+    max_iterations = 50
     if not stiffness > 0:
         raise InvalidParameter(f"joint stiffness must be positive (inf: rigid), got {stiffness} N m/rad")
     rigid = math.isinf(stiffness)
@@ -70,7 +68,7 @@ def equilibrium(arm: Equation, drive_angle: float, stiffness: float = math.inf) 
     T, p, spring = freedom.free, arm.basis.hub_slope, 0.0 if rigid else stiffness
     rest = np.zeros(arm.basis.n_modes)
     q = rigid_rotation(arm) * drive_angle
-    for _ in range(MAX_ITERATIONS):
+    for _ in range(max_iterations):
         force = arm.forces(q, rest, drive_angle) + p * spring * (drive_angle - p @ q)  # eq. (S1)
         tangent = T.T @ stiffness_matrix(arm, q, spring, drive_angle) @ T
         step = T @ np.linalg.solve(tangent, T.T @ force)
@@ -79,8 +77,8 @@ def equilibrium(arm: Equation, drive_angle: float, stiffness: float = math.inf) 
         if size <= 1e-13 * (1 + float(np.linalg.norm(q))):
             return q
     raise NotConverged(
-        f"equilibrium at {drive_angle} rad: step {size:.1e} after {MAX_ITERATIONS} Newton iterations",
-        iteration=MAX_ITERATIONS,
+        f"equilibrium at {drive_angle} rad: step {size:.1e} after {max_iterations} Newton iterations",
+        iteration=max_iterations,
         residual=float(np.linalg.norm(T.T @ force)),
     )
 
@@ -96,10 +94,7 @@ def stiffness_matrix(arm: Equation, q: Array, spring: float, drive_angle: float 
 def small_vibrations_hz(arm: Equation, drive_angle: float, stiffness: float = math.inf) -> Array:
     """Return the frequencies [Hz] of (S2) about the equilibrium at a held motor angle, rising.
 
-    Raises
-    ------
-    NotConverged
-        If the equilibrium is unstable or is not found.
+    Raise NotConverged if the equilibrium is unstable or is not found.
     """
     from scipy.linalg import eigh
 

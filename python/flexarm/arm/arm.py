@@ -23,6 +23,7 @@ from flexarm.arm.sensor import Sensor
 from flexarm.arm.uncertainty import flat_keys, sigma_of, uncertainty_problems
 from flexarm.arm.urdf import with_urdf
 from flexarm.errors import InvalidParameter, Problem
+from flexarm.output import write_file
 from flexarm.pictures import drawn, viewed
 from flexarm.tables import (
     FrozenDict,
@@ -151,8 +152,6 @@ class Arm(Table):
     @takes(path=PATH)
     def to_toml(self, path: str | Path) -> None:
         """Write the model file; `from_toml` of it gives an equal arm."""
-        from flexarm.output import write_file
-
         write_file(path, self.toml_for(Path(path).parent))
 
     def toml_for(self, folder: Path, model: Path | None = None) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexarm.arm.names import from_base, link_of
-from flexarm.arm.rotation import Vector, rotated
+from flexarm.arm.places import place_in_link
+from flexarm.arm.rotation import Vector, chained, rotated
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -19,8 +20,6 @@ def first_turning_joint(arm: Arm) -> Joint | None:
 
 def base_axis(arm: Arm) -> Vector:
     """Return the axis of that joint at q = 0 in base axes; its length is arbitrary."""
-    from flexarm.arm.places import place_in_link
-    from flexarm.arm.rotation import chained
     from flexarm.arm.weight import link_frames
 
     joint = first_turning_joint(arm)

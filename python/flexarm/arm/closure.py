@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import Field, model_validator
 
-from flexarm.arm.gears import coupled_joints
-from flexarm.arm.joint import Joint, Origin
+from flexarm.arm.joint import Joint, Origin, coupled_joints
 from flexarm.arm.names import Place, link_of
 from flexarm.errors import InvalidParameter
 from flexarm.tables import Inconsistent, Name, Table, Vector3, value_in

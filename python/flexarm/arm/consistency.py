@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arm.gears import coupled_joints
-from flexarm.arm.joint import Gear, Joint
+from flexarm.arm.joint import Gear, Joint, coupled_joints
 from flexarm.arm.link import Beam, SuperElementLink
 from flexarm.arm.names import link_of
 from flexarm.arm.vocabulary import places
@@ -16,8 +15,6 @@ if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
 Found = Iterable[tuple[Path, str]]
-_MOST_LISTED = 50
-"""Names in one message: enough for an arm; a thousand errors that list a thousand names nobody reads."""
 
 
 def inconsistencies(arm: Arm) -> list[tuple[Path, str]]:
@@ -30,10 +27,12 @@ def inconsistencies(arm: Arm) -> list[tuple[Path, str]]:
 
 def missing(kind: str, name: str, known: Iterable[str]) -> str:
     """Sentence on a name that nothing has, with those that exist, of many the first."""
+    # Names in one message: enough for an arm; a thousand errors that list a thousand names nobody reads.
+    most_listed = 50
     names = list(known)
-    listed = ", ".join(names[:_MOST_LISTED])
-    if len(names) > _MOST_LISTED:
-        listed += f" and {len(names) - _MOST_LISTED} more"
+    listed = ", ".join(names[:most_listed])
+    if len(names) > most_listed:
+        listed += f" and {len(names) - most_listed} more"
     return f"there is no {kind} {name!r}; " + (
         f"there are {listed}" if listed else f"the model has no {kind}s"
     )

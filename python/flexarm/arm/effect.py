@@ -87,10 +87,7 @@ class Effect(EffectTraits):
     def with_parameters(self, values: Mapping[str, float]) -> Self:
         """Return the effect with other values, named as `parameters` spells them, such as `offset.x`.
 
-        Raises
-        ------
-        InvalidParameter
-            If there is no such parameter, or its value is not allowed.
+        Raise InvalidParameter if there is no such parameter, or its value is not allowed.
         """
         changes: dict[str, Any] = {}
         for key, value in values.items():
@@ -282,10 +279,7 @@ def _plausible(prior: Prior, null: float) -> float:
 def effect_class(name: str) -> type[Effect]:
     """Return the class of an effect, found by its name.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no such effect, or it is known and cannot be simulated yet.
+    Raise InvalidParameter if there is no such effect, or it is known and cannot be simulated yet.
     """
     module = f"flexarm.effects.{name}"
     if name.isidentifier() and util.find_spec(module) is not None:

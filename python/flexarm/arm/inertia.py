@@ -19,9 +19,6 @@ from flexarm.tables import Number
 
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
-_ROUNDING = 1e-3
-"""Share of the trace by which (1) may be missed: tables print inertias to three digits."""
-
 
 def _three_or_six(value: Any) -> Any:
     value = value.tolist() if hasattr(value, "tolist") else value
@@ -41,11 +38,12 @@ def inertia_matrix(inertia: tuple[float, ...]) -> Matrix:
 
 def impossible(inertia: tuple[float, ...]) -> str | None:
     """Return why no body has this inertia, or None if one has."""
+    rounding = 1e-3  # share of the trace by which (1) may be missed: tables print inertias to three digits
     xx, yy, zz, xy, xz, yz = (*inertia, 0.0, 0.0, 0.0)[:6]
     if min(xx, yy, zz) < 0:
         return f"moments of inertia must not be negative, got {list(inertia)} kg m2"
     trace = xx + yy + zz
-    slack = _ROUNDING * trace
+    slack = rounding * trace
     a, b, c = trace / 2 - xx + slack, trace / 2 - yy + slack, trace / 2 - zz + slack  # diagonal of (1)
     if min(a, b, c) < 0:
         return f"no body has these moments: none may exceed the sum of the others, got {list(inertia)} kg m2"

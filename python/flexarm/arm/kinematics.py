@@ -48,10 +48,7 @@ def joint_to(arm: Any, link: str) -> Any:
 def chain_to(arm: Any, place: str) -> list[Any]:
     """Return the joints from the base to a link, or to the link of an interface.
 
-    Raises
-    ------
-    InvalidParameter
-        If no joint leads there.
+    Raise InvalidParameter if no joint leads there.
     """
     found: list[Any] = []
     link = link_of(place)

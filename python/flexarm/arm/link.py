@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from flexarm.arm.inertia import Inertia, impossible
+from flexarm.arm.part_files import load_part
 from flexarm.arm.section import Section
 from flexarm.material import Material
 from flexarm.tables import Inconsistent, Name, Number, Table, Vector3, value_in
@@ -100,13 +101,8 @@ class SuperElementLink(Table):
     def part(self) -> SuperElement:
         """The matrices.
 
-        Raises
-        ------
-        InvalidFile
-            If the file cannot be read.
+        Raise InvalidFile if the file cannot be read.
         """
-        from flexarm.arm.part_files import load_part
-
         return load_part(self.file)
 
 

@@ -85,10 +85,8 @@ class Path:
 def parameters(arm: Arm, keys: Iterable[str]) -> tuple[Parameter, ...]:
     """Return the parameters that keys mean, vectors spelt out.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key means nothing in this arm, or the model's predictions have no derivative by it.
+    Raise InvalidParameter if a key means nothing in this arm, or the model's predictions have no derivative
+    by it.
     """
     found: dict[str, Parameter] = {}
     for key in [keys] if isinstance(keys, str) else keys:
@@ -107,10 +105,7 @@ def numbers_at(arm: Arm, key: str) -> tuple[tuple[Parameter, Path], ...]:
 
     There need be no derivative by them, and what was left out may be infinite.
 
-    Raises
-    ------
-    InvalidParameter
-        If the key means nothing in this arm.
+    Raise InvalidParameter if the key means nothing in this arm.
     """
     return tuple((Parameter(name, path.get(arm), _unit(arm, path)), path) for name, path in _paths(arm, key))
 
@@ -123,10 +118,7 @@ def path_of(arm: Arm, key: str) -> Path:
 def with_value(arm: Arm, key: str, value: float) -> Arm:
     """Return a copy of the arm in which one parameter has another value.
 
-    Raises
-    ------
-    InvalidParameter
-        If the key means nothing, or the value is not allowed.
+    Raise InvalidParameter if the key means nothing, or the value is not allowed.
     """
     return path_of(arm, key).put(arm, float(value))
 

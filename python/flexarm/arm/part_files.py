@@ -48,10 +48,7 @@ def _with_files(data: Mapping[str, Any], place: Any) -> dict[str, Any]:
 def load_part(file: str) -> SuperElement:
     """Return the super-element in a file, read once until the file changes.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read.
+    Raise InvalidFile if it cannot be read.
     """
     path = Path(file)
     stamp = path.stat().st_mtime_ns if path.is_file() else 0

@@ -15,10 +15,8 @@ if TYPE_CHECKING:
 def place_in_link(arm: Arm, place: str) -> tuple[Matrix, Vector]:
     """Return rotation and position [m] of a place in the frame of its link, undeformed.
 
-    Raises
-    ------
-    InvalidFile, InvalidParameter
-        If the link is a super-element whose file cannot be read or has no such interface.
+    Raise InvalidFile or InvalidParameter if the link is a super-element whose file cannot be read or has no
+    such interface.
     """
     name, _, interface = place.partition(":")
     link = arm.link(name) if interface else None

@@ -68,12 +68,9 @@ def _beam(link: Beam) -> Iterable[Problem]:
         )
 
 
-BEYOND = 2e-3
-"""Part of a beam's length by which a refined place may reach beyond its end."""
-
-
 def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
     """Yield payloads and points whose projection lies outside their beam."""
+    beyond = 2e-3  # part of a beam's length by which a refined place may reach beyond its end
     beams = {link.name: link for link in arm.links if isinstance(link, Beam)}
     for table in ("payloads", "points"):
         for entry in getattr(arm, table):
@@ -81,7 +78,7 @@ def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
             if beam is None:
                 continue
             along = sum(p * e for p, e in zip(entry.position, beam.end, strict=True)) / beam.length
-            if not -BEYOND * beam.length <= along <= beam.length * (1 + BEYOND):
+            if not -beyond * beam.length <= along <= beam.length * (1 + beyond):
                 yield Problem(
                     f"{table}.{entry.name}.position",
                     f"projects to {along:g} m along link {beam.name!r}, which reaches from 0 to "

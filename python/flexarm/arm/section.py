@@ -18,9 +18,6 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from flexarm.tables import Inconsistent, Number, Table, Vector2, value_in
 
-THINNEST = 1e-6
-"""Wall over outer diameter of a tube: a thinner one is lost in the rounding of (1)."""
-
 
 class Round(Table):
     """A solid round bar."""
@@ -48,6 +45,7 @@ class Tube(Table):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        thinnest = 1e-6  # wall over outer diameter of a tube: a thinner one is lost in the rounding of (1)
         if self.thickness >= self.outer_diameter / 2:
             raise Inconsistent(
                 (
@@ -56,11 +54,11 @@ class Tube(Table):
                     f'got {self.thickness:g} m; a solid bar is shape = "round"',
                 )
             )
-        if self.thickness < THINNEST * self.outer_diameter:
+        if self.thickness < thinnest * self.outer_diameter:
             raise Inconsistent(
                 (
                     ("thickness",),
-                    f"must be at least {THINNEST:g} of the outer diameter of {self.outer_diameter:g} m, "
+                    f"must be at least {thinnest:g} of the outer diameter of {self.outer_diameter:g} m, "
                     f"got {self.thickness:g} m",
                 )
             )

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 Channels = tuple[str, ...]
 Vector = tuple[float, float, float]
+ZERO: Vector = (0.0, 0.0, 0.0)
 
 
 class Measured(Protocol):

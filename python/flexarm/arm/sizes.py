@@ -3,17 +3,17 @@
 Each limit is beyond what has been built, so that it doubts a typing error and no machine:
 
     length        `LONGEST`: concrete pumps reach some 100 m in several sections, the Space Station's arm 18 m
-    sag           g rho A L^4/(8 E I) of a beam clamped level, over L: one that would hang down by more
-                  than its length cannot be a link, whichever way it is clamped                        (1)
-    modulus       `STIFFEST`: diamond has 1.2e12 Pa
-    density       `DENSEST`: osmium has 22 600 kg/m3
-    payload       `HEAVIEST` times the links: on Earth arms carry about their weight at most, in orbit the
-                  Space Station's moves 116 t with 1.5 t, 77 times its own
-    inertia       of a payload, as if its mass were `WIDEST` times as far from its centre as the arm reaches:
-                  kg mm2 or kg cm2 for kg m2
-    turn          of a joint's frame by more than a turn: degrees for radians
+    sag           g rho A L^4/(8 E I) of a beam clamped level, over L: one that would hang down by more than
+    its length cannot be a link, whichever way it is clamped                        (1) modulus
+    `stiffest`: diamond has 1.2e12 Pa density       `densest`: osmium has 22 600 kg/m3 payload
+    `HEAVIEST` times the links: on Earth arms carry about their weight at most, in orbit the Space Station's
+    moves 116 t with 1.5 t, 77 times its own inertia       of a payload, as if its mass were `widest` times as
+    far from its centre as the arm reaches: kg mm2 or kg cm2 for kg m2 turn          of a joint's frame by
+    more than a turn: degrees for radians sensors       noise of a place a tenth of the reach of the arm, of
+    an angle 0.2 rad; rate beyond `quickest`, as strain gauges and IMUs are sampled at some ten kHz at most;
+    jitter of a stamp more than the time between samples; latency beyond `LATEST`: milliseconds meant
     uncertainty   1 sigma beyond the value itself, or, of a place, beyond the reach of the arm: values of no
-                  meaning, such as negative masses, would be likely
+    meaning, such as negative masses, would be likely
 
 (1), the sag of a cantilever in theory of small deflections, is that of the stiffer plane: a ruler that swings
 on edge is stiff against gravity. Limits of materials are of tables, those of machines of their makers' data.
@@ -26,21 +26,17 @@ from math import hypot, pi, sqrt
 from typing import TYPE_CHECKING
 
 from flexarm.arm.link import Beam, RigidLink
-from flexarm.arm.sensor_plausibility import sensor_problems
 from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import Problem
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
+    from flexarm.arm.sensor import Sensor
 
 LONGEST = 100.0
 """Distance within one link, or from a joint to the frame that it stands in [m]."""
-STIFFEST, DENSEST = 1.3e12, 2.3e4
-"""Of materials [Pa], [kg/m3]."""
 HEAVIEST = 100.0
 """Mass of a payload over that of all links."""
-WIDEST, SMALL = 3.0, 1.0
-"""Radius of gyration of a payload over the reach of the arm, and below which none is too large [m]."""
 
 
 def reach(arm: Arm) -> float:
@@ -80,6 +76,7 @@ def _lengths(arm: Arm) -> Iterable[Problem]:
 
 
 def _beam(link: Beam, gravity: float) -> Iterable[Problem]:
+    stiffest, densest = 1.3e12, 2.3e4  # of materials [Pa], [kg/m3]
     material, section = link.material, link.section
     sag = gravity * material.density * section.area * link.length**3
     sag /= 8 * material.youngs_modulus * max(section.second_moments)  # eq. (1)
@@ -89,12 +86,12 @@ def _beam(link: Beam, gravity: float) -> Iterable[Problem]:
             f"would hang down by {sag:.2g} times its length under its own weight if clamped level; "
             "are length [m], section [m] and material [Pa, kg/m3] in these units?",
         )
-    if material.youngs_modulus > STIFFEST:
+    if material.youngs_modulus > stiffest:
         yield Problem(
             f"links.{link.name}.material.youngs_modulus",
             f"is {material.youngs_modulus:g} Pa, stiffer than diamond; moduli are in Pa (steel 210e9)",
         )
-    if material.density > DENSEST:
+    if material.density > densest:
         yield Problem(
             f"links.{link.name}.material.density",
             f"is {material.density:g} kg/m3, denser than any metal; densities are in kg/m3 (steel 7850)",
@@ -109,6 +106,8 @@ def mass_of_links(arm: Arm) -> float | None:
 
 def _payloads(arm: Arm) -> Iterable[Problem]:
     """Yield payloads that are too heavy or too wide for their arm."""
+    # Radius of gyration of a payload over the reach of the arm, and below which none is too large [m].
+    widest, small = 3.0, 1.0
     own = mass_of_links(arm)
     for load in arm.payloads:
         if own and load.mass > HEAVIEST * own:
@@ -117,7 +116,7 @@ def _payloads(arm: Arm) -> Iterable[Problem]:
                 f"is {load.mass:g} kg, {load.mass / own:.2g} times the mass of all links; masses are in kg",
             )
         radius = sqrt(max(load.inertia[:3]) / load.mass) if load.mass > 0 else 0.0
-        if radius > max(WIDEST * reach(arm), SMALL):
+        if radius > max(widest * reach(arm), small):
             yield Problem(
                 f"payloads.{load.name}.inertia",
                 f"is that of {load.mass:g} kg at {radius:.3g} m from its centre, the arm reaches "
@@ -151,3 +150,27 @@ def _uncertainty(arm: Arm) -> Iterable[Problem]:
         elif unit == "m" and sigma > reach(arm):
             what = f"is {sigma:g} m (1 sigma), further than the arm reaches, {reach(arm):g} m"
             yield Problem(f"uncertainty.{key}", f"{what}; it is in m, not in mm")
+
+
+LATEST = 10.0
+"""Age of a value at its stamp [s]."""
+
+
+def sensor_problems(sensor: Sensor, reach: float) -> Iterable[Problem]:
+    """Yield implausible values of a sensor of an arm with this reach [m]."""
+    quickest = 1e5  # samples a second [Hz]
+    part, turned = 0.1, 0.2  # greatest noise of a place, over the reach; of an angle [rad]
+    where = f"sensors.{sensor.name}"
+    unit, factor = sensor.si
+    noise = (sensor.noise_std or 0.0) * factor
+    most = {"m": part * reach, "rad": turned}.get(unit, 0.0)
+    if 0 < most < noise:
+        what = f"is {noise:g} {unit} (1 sigma); it is in the unit of the sensor, {sensor.unit or unit}"
+        yield Problem(f"{where}.noise_std", what)
+    if sensor.rate_hz > quickest:
+        yield Problem(f"{where}.rate_hz", f"is {sensor.rate_hz:g} Hz; no sensor of an arm samples so quickly")
+    if sensor.jitter_std > 1 / sensor.rate_hz:
+        what = f"is {sensor.jitter_std:g} s (1 sigma), samples are {1 / sensor.rate_hz:.3g} s apart"
+        yield Problem(f"{where}.jitter_std", f"{what}; it is in s, not in ms")
+    if sensor.latency_s > LATEST:
+        yield Problem(f"{where}.latency_s", f"is {sensor.latency_s:g} s; it is in s, not in ms")

@@ -58,10 +58,7 @@ def sigma_of(arm: Arm, key: str) -> tuple[Any, Any]:
 
     A relative sigma of a vector is one number for each component, an absolute one a single number for all.
 
-    Raises
-    ------
-    ValueError
-        If the key means nothing in this model.
+    Raise ValueError if the key means nothing in this model.
     """
     place = owner_of(arm, key)
     nominal = getattr(place.owner, place.field)
@@ -143,10 +140,7 @@ def _units(arm: Arm, owner: Table, field: str) -> tuple[str, ...]:
 def flat_keys(given: Any) -> Any:
     """Refuse tables within `[uncertainty]`, which TOML makes of dots without quotes.
 
-    Raises
-    ------
-    Inconsistent
-        For every number in such a table.
+    Raise Inconsistent for every number in such a table.
     """
     if not isinstance(given, Mapping):
         return given
@@ -198,10 +192,7 @@ class Owner:
 def owner_of(arm: Arm, key: str) -> Owner:
     """Return the location of the value of a key.
 
-    Raises
-    ------
-    ValueError
-        If the key means nothing in this model.
+    Raise ValueError if the key means nothing in this model.
     """
     words = key.split(".")
     if len(words) < 3 or words[0] not in _TABLES:

@@ -36,10 +36,7 @@ _NOT_TABLES = {"format", "name", "gravity", "uncertainty", "urdf"}
 def with_urdf(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return tables of a model with those of the URDF file that it names, relative to `folder`.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, or says what flexarm does not know.
+    Raise InvalidFile if the file cannot be read, or says what flexarm does not know.
     """
     if not isinstance(data.get("urdf"), str):
         return dict(data)
@@ -70,10 +67,7 @@ def _doubles(entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
 def read_urdf(path: Path) -> dict[str, Any]:
     """Name, links, joints and gears of a URDF file, as the tables of a model file.
 
-    Raises
-    ------
-    InvalidFile
-        With file and place of what is wrong.
+    Raise InvalidFile with file and place of what is wrong.
     """
     from xml.etree import ElementTree
 

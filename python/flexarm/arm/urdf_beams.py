@@ -39,10 +39,7 @@ def on_beams(
     `own` are joints as the model's own file has them, whose `origin` and `at` take precedence over those of
     `joints`, from the URDF file.
 
-    Raises
-    ------
-    InvalidFile
-        If a joint stands between the ends of a beam.
+    Raise InvalidFile if a joint stands between the ends of a beam.
     """
     merged = model.get("joints", ())
     beams = {link["name"]: link["end"] for link in _entries(model.get("links")) if _is_beam(link)}

@@ -97,10 +97,7 @@ def weight_statement(
     `tilt` is the rotation, (3, 3), of everything that stands on the base, and `mass_scale` has factors on the
     mass of super-elements, whose tables cannot say it.
 
-    Raises
-    ------
-    InvalidFile
-        If the file of a super-element cannot be read.
+    Raise InvalidFile if the file of a super-element cannot be read.
     """
     frames = {name: chained((tilt, (0.0, 0.0, 0.0)), frame) for name, frame in link_frames(arm).items()}
     links = {

@@ -10,8 +10,7 @@ from flexarm.arm import Arm, Beam, RigidLink
 from flexarm.arm.link import Link
 from flexarm.arm.rotation import added
 from flexarm.arm.weight import WeightStatement, weight_statement
-from flexarm.assembly.base import tilted
-from flexarm.assembly.machine import Load, Machine, Member, machine_of
+from flexarm.assembly.machine import Load, Machine, Member, machine_of, tilted
 
 
 def as_built(machine: Machine) -> Arm:
@@ -29,10 +28,7 @@ def as_built(machine: Machine) -> Arm:
 def weight_as_built(arm: Arm) -> WeightStatement:
     """Return the weight statement of an arm with its effects.
 
-    Raises
-    ------
-    InvalidFile
-        If the file of a super-element cannot be read.
+    Raise InvalidFile if the file of a super-element cannot be read.
     """
     machine = machine_of(arm)
     parts = {

@@ -10,15 +10,22 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexarm import _core
 from flexarm.arm import Arm, Closure
-from flexarm.arm.gears import gear_input
 from flexarm.arm.inertia import inertia_matrix
-from flexarm.arm.joint import Joint
+from flexarm.arm.joint import Joint, gear_input
 from flexarm.arm.link import Beam, RigidLink, SuperElementLink
 from flexarm.arm.rotation import Frame, chained, from_rpy
 from flexarm.arm.section import General, Rectangle, Round, Tube
-from flexarm.assembly.base import core_hinges, pedestal, tilted
 from flexarm.assembly.loops import Loops
-from flexarm.assembly.machine import Load, Machine, Member, machine_of, nominal_machine
+from flexarm.assembly.machine import (
+    Load,
+    Machine,
+    Member,
+    core_hinges,
+    machine_of,
+    nominal_machine,
+    pedestal,
+    tilted,
+)
 from flexarm.errors import InvalidParameter
 from flexarm.tables.ranges import out_of_range
 
@@ -33,10 +40,7 @@ def core_arm(arm: Arm, loaded: Iterable[str] = (), *, nominal: bool = False) -> 
 
     Points that are `loaded` carry point loads; on a beam they get a node of their own.
 
-    Raises
-    ------
-    InvalidFile, InvalidParameter
-        If the file of a super-element cannot be read.
+    Raise InvalidFile or InvalidParameter if the file of a super-element cannot be read.
     """
     machine = nominal_machine(arm) if nominal else machine_of(arm)
     loads = set(loaded)
@@ -71,10 +75,7 @@ def assemble(
     so are inputs of gears whose output is told. `loaded` are points with point loads, `driven` other joints
     whose drive is held. Joints of loops that are in neither follow, see `flexarm.assembly.loops`.
 
-    Raises
-    ------
-    InvalidParameter
-        If a loop cannot be closed.
+    Raise InvalidParameter if a loop cannot be closed.
     """
     given = dict(drives or {})
     kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}
@@ -90,10 +91,7 @@ def assemble(
 def loops_of(arm: Arm) -> Loops:
     """Return the loops of an arm with closures.
 
-    Raises
-    ------
-    InvalidParameter
-        If a loop cannot be closed.
+    Raise InvalidParameter if a loop cannot be closed.
     """
     turned = {gear.output: _core.DriveKind.free for gear in arm.gears}
     return Loops.of(arm, _core.System(core_arm(arm), turned))
@@ -116,10 +114,8 @@ def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
     Joints of loops that are not given stand where the loops were closed first; those that follow are not
     read.
 
-    Raises
-    ------
-    InvalidParameter
-        If a joint does not exist, does not move, its value is not finite, or contradicts its gear.
+    Raise InvalidParameter if a joint does not exist, does not move, its value is not finite, or contradicts
+    its gear.
     """
     moving = [joint.name for joint in arm.moving_joints]
     for name, value in joints.items():
@@ -139,10 +135,7 @@ def joint_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
 def rigid_values(arm: Arm, joints: Mapping[str, float]) -> list[float]:
     """Return the value of every joint of the rigid arm without effects, those of loops closed.
 
-    Raises
-    ------
-    InvalidParameter
-        As `joint_values`, and if a loop cannot be closed.
+    Raise InvalidParameter as `joint_values`, and if a loop cannot be closed.
     """
     values = joint_values(arm, joints)
     if not arm.closures:
@@ -176,10 +169,7 @@ def _through_gears(arm: Arm, joints: Mapping[str, float]) -> dict[str, float]:
 def point_loads(arm: Arm, forces: Mapping[str, ArrayLike]) -> list[_core.PointLoad]:
     """Return forces at points, base axes [N], as the core takes them.
 
-    Raises
-    ------
-    InvalidParameter
-        If a point does not exist or a force is not three finite numbers.
+    Raise InvalidParameter if a point does not exist or a force is not three finite numbers.
     """
     names = [point.name for point in arm.points]
     loads = []

@@ -29,6 +29,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.parameter import with_value
 from flexarm.arrays import Floats
+from flexarm.budget import allows
 from flexarm.calibration.families import Family
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
@@ -192,10 +193,7 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
 
     Steps are combinations of the columns of `basis`, shape (m, k), and spreads stay; default: all steps.
 
-    Raises
-    ------
-    NotConverged, InvalidParameter
-        If the start cannot be simulated.
+    Raise NotConverged or InvalidParameter if the start cannot be simulated.
     """
     policy, centre = estimation.policy, estimation.centre
     A = np.eye(len(u)) if basis is None else basis
@@ -214,6 +212,8 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
         left = float(np.sqrt(np.mean(point.residual**2)))
         tell(f"step {count}: {left:.3g} times the noise, moves by {largest:.2g} sigma")
         if (largest < policy.settled and point.exact) or count == policy.iterations:
+            break
+        if not allows("the estimates came to rest"):
             break
         kept = largest >= policy.settled and _foretold(point, move, there, policy.foretold)
         u = point.u + move

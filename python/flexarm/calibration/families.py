@@ -73,10 +73,7 @@ def with_families(
 
     Places where the model states the parameter and its uncertainty are left to that.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no such effect, or it cannot act anywhere in these records.
+    Raise InvalidParameter if there is no such effect, or it cannot act anywhere in these records.
     """
     uncertain = {bare_key(arm, key) for key in arm.uncertainty}
     families: list[Family] = []
@@ -97,10 +94,7 @@ def with_families(
 def family_kinds(names: Sequence[str]) -> list[type[Effect]]:
     """Return the effects of families, each once.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no such effect, or it cannot be calibrated.
+    Raise InvalidParameter if there is no such effect, or it cannot be calibrated.
     """
     return [_kind(name) for name in dict.fromkeys(names)]
 

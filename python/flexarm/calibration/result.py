@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from flexarm.arguments import PATH, takes
+from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.calibration.estimates import CalibratedFamily, CalibratedFrame, CalibratedParameter, ChiSquare
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.comparison.before_after import BeforeAfter
+from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
 
 if TYPE_CHECKING:
@@ -77,9 +79,6 @@ class Calibration(BeforeAfter, SavedAsDirectory):
         InvalidParameter
             If it was not estimated.
         """
-        from flexarm.arm.consistency import missing
-        from flexarm.errors import InvalidParameter
-
         for each in self.parameters:
             if each.name == name:
                 return each

@@ -23,10 +23,7 @@ from flexarm.report.storage import GAPS, MODEL, stored_gaps, stored_object
 def stored(path: str | Path) -> dict[str, Any]:
     """Return the attributes of the calibration in a directory, which may be given by its calibration.json.
 
-    Raises
-    ------
-    InvalidFile
-        If a file is missing, or is not what a calibration wrote.
+    Raise InvalidFile if a file is missing, or is not what a calibration wrote.
     """
     directory, told = stored_object(path, KIND, REPORT, CalibrationFile)
     arm, comparisons = stored_gaps(directory / GAPS, KIND)

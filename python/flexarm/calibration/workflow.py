@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, takes
+from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.budget import current, limited
 from flexarm.calibration.estimates import (
     CalibratedFamily,
     CalibratedFrame,
@@ -46,11 +47,17 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, str], object] | None
 
-SHARE = 0.8
-"""Share of the work that is left after each step, in the progress: how many follow is not known."""
 
-
-@takes(arm=ARM, records=RECORDS, families=NAMES, hold_out=RECORD, jobs=JOBS, step=NUMBER, alpha=NUMBER)
+@takes(
+    arm=ARM,
+    records=RECORDS,
+    families=NAMES,
+    hold_out=RECORD,
+    jobs=JOBS,
+    step=NUMBER,
+    alpha=NUMBER,
+    max_seconds=SECONDS,
+)
 def calibrate(
     arm: Arm,
     records: Mapping[str, Record] | Sequence[Record],
@@ -61,6 +68,7 @@ def calibrate(
     step: float = 2e-3,
     alpha: float = -0.05,
     policy: CalibrationPolicy | None = None,
+    max_seconds: float | None = None,
     progress: Progress = None,
 ) -> Calibration:
     """Estimate all that is uncertain in a model, and families of effects, also where a gap stays.
@@ -81,6 +89,9 @@ def calibrate(
         Of all simulations [s], [-].
     policy : CalibrationPolicy, optional
         Priors of families, and when an estimate is at rest.
+    max_seconds : float, optional
+        Wall-clock time after which no further step begins [s]; a remark tells then how far from rest the
+        estimates are.
     progress : callable, optional
         Gets the share done and what is being done.
 
@@ -100,6 +111,24 @@ def calibrate(
     >>> found = flexarm.calibrate(arm, [poses], families=["joint_compliance"])  # doctest: +SKIP
     >>> found.save("calibrated")  # doctest: +SKIP
     """
+    with limited(max_seconds):
+        return _calibration(arm, records, families, hold_out, jobs, step, alpha, policy, progress)
+
+
+def _calibration(
+    arm: Arm,
+    records: Mapping[str, Record] | Sequence[Record],
+    families: Sequence[str],
+    hold_out: Record | None,
+    jobs: int | None,
+    step: float,
+    alpha: float,
+    policy: CalibrationPolicy | None,
+    progress: Progress,
+) -> Calibration:
+    """Return the calibration, within the budget of time."""
+    # Share of the work that is left after each step, in the progress: how many follow is not known.
+    share = 0.8
     begun, rules = time.monotonic(), policy or CalibrationPolicy()
     tell = progress or (lambda done, what: None)
     family_kinds(families)
@@ -117,7 +146,7 @@ def calibrate(
     estimation = _estimation(problem, families, rules)
     steps = count(1)
     posterior = shared_first(
-        estimation, estimation.centre, lambda what: tell(0.9 * (1 - SHARE ** next(steps)), what)
+        estimation, estimation.centre, lambda what: tell(0.9 * (1 - share ** next(steps)), what)
     )[-1]
     tell(0.9, "verifying")
     updated = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)
@@ -139,7 +168,13 @@ def calibrate(
         tuple(parted.held_out),
         parted.kind,
         main_signal(parted.training, before),
-        (*map(str, clean.outliers), *clean.remarks, *borrowed, *_remarks(posterior, parted)),
+        (
+            *map(str, clean.outliers),
+            *clean.remarks,
+            *borrowed,
+            *_remarks(posterior, parted),
+            *current().remarks,
+        ),
         {"version": version(), "step": step, "seconds": time.monotonic() - begun},
     )
 

@@ -36,12 +36,6 @@ STUDY, SUMMARY = "study.json", "summary.html"
 FORMAT = "flexarm-campaign/1"
 TASK_SECONDS, FOR_EACH_WORKER = 2.0, 0.02
 """Time that a task should take at least, and for each worker [s]: the engine needs 5 to 10 ms for one."""
-TASK_BYTES, TASK_RUNS = 2**25, 10_000
-"""What a task may return at most: bytes of rows, and rows."""
-START_SECONDS = 5.0
-"""Work for which no workers are started [s]."""
-MOST_FAILURES = 1000
-"""Failures that study.json lists; it counts all."""
 
 Tell = Callable[[float, str], object]
 
@@ -270,13 +264,15 @@ def _compute(
 
 def _here(jobs: int | None, seconds: float) -> bool:
     """Return True if this process should compute alone: one job, or less work than a start of workers."""
-    return (jobs or os.cpu_count() or 1) == 1 or (jobs is None and seconds < START_SECONDS)
+    start_seconds = 5.0  # work for which no workers are started [s]
+    return (jobs or os.cpu_count() or 1) == 1 or (jobs is None and seconds < start_seconds)
 
 
 def task_size(seconds: float, row_bytes: int, workers: int) -> int:
     """Return the greatest number of runs in a task, given the time [s] and the size of one."""
+    task_bytes, task_runs = 2**25, 10_000  # what a task may return at most: bytes of rows, and rows
     enough = int(max(TASK_SECONDS, FOR_EACH_WORKER * workers) / max(seconds, 1e-6))
-    return max(1, min(enough, TASK_BYTES // row_bytes, TASK_RUNS))
+    return max(1, min(enough, task_bytes // row_bytes, task_runs))
 
 
 @dataclass
@@ -330,6 +326,7 @@ def _write(plan: Plan, store: Store, nominal: list[Outcome]) -> None:
 
 def _finished(plan: Plan, store: Store, session: _Session) -> Campaign:
     """Write down what ran, and remove the batches."""
+    most_failures = 1000  # failures that study.json lists; it counts all
     campaign_ = Campaign(store.directory, session.record)
     with campaign_.dataset as data:
         status, reasons = data["status"].values, data["reason"].values
@@ -349,7 +346,7 @@ def _finished(plan: Plan, store: Store, session: _Session) -> Campaign:
                 "parameters": dict(zip(keys, map(float, plan.values[i % rows]), strict=True)),
                 **dict(plan.cases[i // rows].labels),
             }
-            for i in failed[:MOST_FAILURES]
+            for i in failed[:most_failures]
         ],
     }
     seed = plan.study.sampling.seed if plan.study.sampling else 0

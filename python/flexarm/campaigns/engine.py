@@ -1,7 +1,7 @@
 """Spread the tasks of a campaign over workers, and hand back their rows as they come.
 
 Dask distributes: a cluster of this machine's cores is started without any set-up, or an existing scheduler is
-used. Each worker gets the job once, as a plugin, also one that joins later. At most `AHEAD` tasks a thread
+used. Each worker gets the job once, as a plugin, also one that joins later. At most `ahead` tasks a thread
 are under way, so the memory of client and scheduler does not grow with the campaign. A worker that dies costs
 its tasks, which others take over. The runs of a task under which several died are tried once more, each
 alone, and the one under which they die again becomes a failed row.
@@ -9,9 +9,11 @@ alone, and the one under which they die again becomes a failed row.
 
 from __future__ import annotations
 
+import os
 import pickle
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -21,8 +23,6 @@ from flexarm.errors import InvalidParameter
 
 Client = Any
 """A client of `distributed`, which is imported when it is needed and never with flexarm."""
-AHEAD = 2
-"""Tasks under way for each thread of a worker: one that it computes, one that waits there."""
 
 Put = Callable[[Sequence[Row]], object]
 
@@ -36,10 +36,8 @@ def compute_here(job: Job, tasks: Iterable[Task], put: Put) -> None:
 def compute_with(client: Client, job: Job, tasks: Iterable[Task], put: Put) -> None:
     """Compute all tasks on the workers of a client, and put the rows of each as it comes.
 
-    Raises
-    ------
-    InvalidParameter
-        If the workers cannot compute at all, or the scheduler goes away; what was put stays.
+    Raise InvalidParameter if the workers cannot compute at all, or the scheduler goes away; what was put
+    stays.
     """
     waiting, under_way, suspects = iter(tasks), dict[Any, Task](), list[Task]()
     with _sent(client, job) as name:
@@ -92,10 +90,7 @@ def _refuse_unless_killed(future: Any) -> None:
 def _dask() -> Any:
     """Return the package that distributes.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is not installed.
+    Raise InvalidParameter if it is not installed.
     """
     try:
         return import_module("distributed")
@@ -118,8 +113,9 @@ def page_of(client: Client) -> str:
 
 def _ahead(client: Client) -> int:
     """Return the number of tasks to be under way; workers may join and leave."""
+    ahead = 2  # tasks under way for each thread of a worker: one that it computes, one that waits there
     threads = int(sum(client.nthreads().values()))
-    return max(AHEAD, AHEAD * threads)
+    return max(ahead, ahead * threads)
 
 
 _jobs: dict[str, Job] = {}
@@ -134,8 +130,6 @@ def _computed_there(name: str, task: Task) -> list[Row]:
 @contextmanager
 def _sent(client: Client, job: Job) -> Iterator[str]:
     """Send a job to all workers, those that join later too, and take it back at the end."""
-    from hashlib import sha256
-
     content = pickle.dumps(job)
     name = f"flexarm-{sha256(content).hexdigest()[:16]}"
 
@@ -178,10 +172,7 @@ def client_of(scheduler: str | None, jobs: int | None, room: Path) -> Iterator[C
 
     `jobs` is their number, by default one a core, and `room` a directory for files that these need.
 
-    Raises
-    ------
-    InvalidParameter
-        If Dask is not installed, or the scheduler cannot be reached.
+    Raise InvalidParameter if Dask is not installed, or the scheduler cannot be reached.
     """
     dask = _dask()
     if scheduler is None:
@@ -211,8 +202,6 @@ CONNECT_SECONDS = 10
 
 def _local(jobs: int | None, room: Path) -> Any:
     """Return a cluster of processes of one thread each that only this machine reaches."""
-    import os
-
     with _quiet_tracker():
         return _dask().LocalCluster(
             n_workers=jobs or os.cpu_count() or 1,
@@ -231,8 +220,6 @@ def _quiet_tracker() -> Iterator[None]:
 
     `multiprocessing` starts it with the first worker, and it takes its filters from the environment.
     """
-    import os
-
     name = "PYTHONWARNINGS"
     before = os.environ.get(name)
     quiet = "ignore::UserWarning:multiprocessing.resource_tracker"

@@ -25,8 +25,6 @@ INSTANTS = 400
 """Of a band that is drawn."""
 PIECE = 2**26
 """Bytes of a piece that is read at once."""
-MOST_TARGETS = 12
-"""Numbers that are told one by one."""
 
 
 @dataclass(frozen=True)
@@ -125,6 +123,7 @@ class Findings:
 
 def findings_of(data: xr.Dataset, keys: Sequence[str], labels: Sequence[str], seed: int = 0) -> Findings:
     """Return what results say, given keys of what varied, labels of cases and the seed of the bootstrap."""
+    most_targets = 12  # numbers that are told one by one
     ok = data["status"].values == "ok"
     reasons = Counter(str(reason) for reason in data["reason"].values[~ok])
     about = (
@@ -142,11 +141,11 @@ def findings_of(data: xr.Dataset, keys: Sequence[str], labels: Sequence[str], se
     targets = list(_targets(data, keys, ok, seed))
     return Findings(
         *about,
-        targets=tuple(targets[:MOST_TARGETS]),
+        targets=tuple(targets[:most_targets]),
         bands=tuple(_bands(data, ok)),
         costs=tuple(_costs(data, keys, ok)),
         yields=tuple(_yields(data, ok)),
-        more_targets=max(0, len(targets) - MOST_TARGETS),
+        more_targets=max(0, len(targets) - most_targets),
     )
 
 

@@ -28,23 +28,15 @@ from flexarm.arrays import Floats
 
 LEAST = 40
 """Samples below which (1) says nothing."""
-FEW = 32
-"""Different values of a parameter that are each a constant."""
-MOST_KNOTS = 12
 RESAMPLES, MOST_RESAMPLED = 200, 4096
 """Of the bootstrap of intervals, which shrink as 1/sqrt(n), and samples in each at most."""
 
 
 @dataclass(frozen=True)
 class Indices:
-    """Indices of one result, an entry for each parameter.
+    """Indices of one result, an entry for each parameter: first order and total, with ends of 90 % intervals.
 
-    Attributes
-    ----------
-    first, total : ndarray, shape (d,)
-        First-order and total index; total NaN where the samples do not tell it.
-    first90, total90 : ndarray, shape (d, 2)
-        Ends of their 90 % intervals.
+    Shapes are (d,) and (d, 2); the total is NaN where the samples do not tell it.
     """
 
     first: Floats
@@ -68,13 +60,7 @@ def from_samples(x: Floats, y: Floats, seed: int = 0) -> Indices | None:
 
 
 class SeriesIndices:
-    """First-order indices (1) of a series, gathered piece by piece.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n, d)
-        Samples of the parameters.
-    """
+    """First-order indices (1) of a series, gathered piece by piece, of samples x of parameters, (n, d)."""
 
     def __init__(self, x: Floats) -> None:
         self._bases = [_basis(column) for column in x.T]
@@ -121,11 +107,13 @@ def from_saltelli(f: Floats, seed: int = 0) -> Indices | None:
 
 def _basis(x: Floats) -> Floats:
     """Return orthonormal functions of a parameter without their means, shape (n, p)."""
+    most_knots = 12
+    few = 32  # different values of a parameter that are each a constant
     values, which = np.unique(x, return_inverse=True)
-    if len(values) < min(FEW, len(x) // 2):
+    if len(values) < min(few, len(x) // 2):
         columns = np.eye(len(values))[which][:, 1:]
     else:
-        count = int(np.clip(np.sqrt(len(x)) / 3, 2, MOST_KNOTS))
+        count = int(np.clip(np.sqrt(len(x)) / 3, 2, most_knots))
         knots = np.quantile(x, np.arange(1, count) / count)
         columns = np.column_stack([x, *(np.maximum(x - knot, 0.0) for knot in knots)])
     columns = columns - columns.mean(axis=0)

@@ -29,8 +29,6 @@ from flexarm.tables import refuse
 
 RESERVED = ("sample", "status", "reason", "seconds", "block", "time", "axis", "mode")
 """Names of variables that every file of results has."""
-TASKS_LEFT = 2
-"""Tasks for each worker into which what is left could be cut at any time."""
 
 
 @dataclass(frozen=True)
@@ -126,12 +124,13 @@ class Plan:
 def cut(count: int, size: int, workers: int) -> Iterator[tuple[int, int]]:
     """Yield begin and end of tasks of at most `size` runs, smaller ones at the end, so that all end together.
 
-    A task is at most the part 1/(`TASKS_LEFT` workers) of what is left: guided self-scheduling
+    A task is at most the part 1/(`tasks_left` workers) of what is left: guided self-scheduling
     (C. Polychronopoulos and D. Kuck, IEEE Transactions on Computers 36 (1987), 1425-1439).
     """
+    tasks_left = 2  # tasks for each worker into which what is left could be cut at any time
     first = 0
     while first < count:
-        last = first + max(1, min(size, (count - first) // (TASKS_LEFT * workers)))
+        last = first + max(1, min(size, (count - first) // (tasks_left * workers)))
         yield first, last
         first = last
 
@@ -146,10 +145,7 @@ def _name(path: Path, folder: Path) -> str:
 def planned(file: Path) -> Plan:
     """Return the plan of a study.
 
-    Raises
-    ------
-    InvalidFile
-        With every problem of the study, or of a file that it names.
+    Raise InvalidFile with every problem of the study, or of a file that it names.
     """
     study, data, text = read_study(file)
     folder = file.parent
@@ -197,10 +193,7 @@ def _remarks(study: Study) -> Iterator[Problem]:
 def refuse_other(plan: Plan, stored: Path, content: Any) -> None:
     """Refuse to go on with a campaign of another study, or of other inputs.
 
-    Raises
-    ------
-    InvalidFile
-        With the first key, or the files, that differ.
+    Raise InvalidFile with the first key, or the files, that differ.
     """
     mine = plan.fingerprint()
     theirs = content if isinstance(content, dict) else {}

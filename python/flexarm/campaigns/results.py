@@ -19,8 +19,6 @@ from flexarm.campaigns.outcome import Outcome, Variable
 from flexarm.campaigns.store import Part, Store
 
 SAMPLE = "sample"
-CHUNK_BYTES = 2**20
-"""Bytes of a piece of a variable in the file: several batches of long series, or thousands of numbers."""
 
 
 def write_results(
@@ -83,8 +81,11 @@ class _File:
         self, name: str, dims: Sequence[str], shape: tuple[int, ...], attributes: Mapping[str, Any], kind: Any
     ) -> None:
         """Make a variable along the samples and its own dimensions, empty."""
+        # Bytes of a piece of a variable in the file: several batches of long series, or thousands of
+        # numbers.
+        chunk_bytes = 2**20
         width = 8 * int(np.prod(shape, dtype=int))
-        chunk = (max(1, min(self._count, CHUNK_BYTES // max(width, 8))), *shape)
+        chunk = (max(1, min(self._count, chunk_bytes // max(width, 8))), *shape)
         made = self._file.create_dataset(
             name,
             shape=(self._count, *shape),

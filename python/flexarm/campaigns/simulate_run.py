@@ -95,10 +95,7 @@ def statistics(keep: Keep, deviation: Floats) -> dict[str, float]:
 def simulate_run(study: Study, arm: Arm, cases: tuple[Case, ...]) -> Prepared:
     """Return simulations of a study, and what is wrong with what is to be kept.
 
-    Raises
-    ------
-    InvalidFile
-        If a drive cannot be read.
+    Raise InvalidFile if a drive cannot be read.
     """
     drives = [_drive(case, arm) for case in cases]
     spans = [_span(drive, arm) for drive in drives]

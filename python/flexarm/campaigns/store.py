@@ -38,12 +38,7 @@ class Part(NamedTuple):
 class Store:
     """Rows of a campaign on disk.
 
-    Parameters
-    ----------
-    directory : Path
-        Of the campaign.
-    room : Path
-        A directory on the same file system, in which files are written before they appear.
+    `room` is a directory on the same file system, in which files are written before they appear.
     """
 
     def __init__(self, directory: Path, room: Path) -> None:
@@ -129,10 +124,7 @@ def _unpacked(file: Path) -> Part:
 def refuse_gaps(file: Path, n: int, done: set[int]) -> None:
     """Refuse parts that are of another campaign.
 
-    Raises
-    ------
-    InvalidFile
-        If there are samples that the study has not.
+    Raise InvalidFile if there are samples that the study has not.
     """
     if done and max(done) >= n:
         raise InvalidFile(

@@ -266,10 +266,7 @@ class Study(Table):
 def read_study(file: Path) -> tuple[Study, dict[str, Any], str]:
     """Return a study, the tables of its file as they stand, and its text.
 
-    Raises
-    ------
-    InvalidFile
-        With the place and value of every problem.
+    Raise InvalidFile with the place and value of every problem.
     """
     data, text = read_toml(file, FORMAT)
     return check_table(Study, data, file, text), data, text

@@ -23,9 +23,6 @@ import numpy as np
 
 from flexarm.arrays import Floats
 
-YEAR = 365.25
-"""Days of a year."""
-
 
 @dataclass(frozen=True)
 class Trend:
@@ -52,6 +49,7 @@ class Trend:
 
 def times_of(labels: Mapping[str, Sequence[str]]) -> tuple[str, Floats, bool] | None:
     """Return the label that is a time, its values since the first, and True for dates, in years; or None."""
+    year = 365.25  # days of a year
     for name, texts in labels.items():
         for parse, dates in ((_day, True), (float, False)):
             try:
@@ -59,7 +57,7 @@ def times_of(labels: Mapping[str, Sequence[str]]) -> tuple[str, Floats, bool] | 
             except ValueError:
                 continue
             if len(set(days)) > 1:
-                return name, (days - days.min()) / (YEAR if dates else 1.0), dates
+                return name, (days - days.min()) / (year if dates else 1.0), dates
     return None
 
 

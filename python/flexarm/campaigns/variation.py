@@ -10,7 +10,7 @@ from flexarm.arm import Arm
 from flexarm.arm.effect import effect_class, read_effect
 from flexarm.arm.parameter import Parameter, Path, numbers_at
 from flexarm.arm.uncertainty import owner_of
-from flexarm.campaigns.distributions import Distribution
+from flexarm.campaigns.sampling import Distribution
 from flexarm.campaigns.study import Found, Study, Vary
 from flexarm.errors import InvalidParameter
 from flexarm.tables.check import problems_of
@@ -45,10 +45,7 @@ class Variation:
     def arm(self, values: Sequence[float]) -> Arm:
         """Return the arm of one sample.
 
-        Raises
-        ------
-        InvalidParameter
-            If a value is not allowed, such as a negative mass.
+        Raise InvalidParameter if a value is not allowed, such as a negative mass.
         """
         arm = self.base
         for key, path, value in zip(self.keys, self.paths, values, strict=True):
@@ -91,10 +88,7 @@ class _Wrong(Exception):
 def _distribution(arm: Arm, vary: Vary, parameter: Parameter) -> Distribution:
     """Return the distribution of one number.
 
-    Raises
-    ------
-    _Wrong
-        If the model does not say what the study leaves out.
+    Raise _Wrong if the model does not say what the study leaves out.
     """
     if vary.distribution in ("uniform", "loguniform"):
         assert vary.low is not None and vary.high is not None

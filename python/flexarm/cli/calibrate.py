@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.diagnose import HoldOut, Jobs
+import flexarm
+from flexarm.cli.diagnose import HoldOut
 from flexarm.cli.options import (
     AllowOutside,
     Force,
+    Jobs,
     Json,
+    MaxSeconds,
     Model,
     Out,
     Step,
-    load_arm,
     print_json,
     refuse_step,
 )
-from flexarm.cli.progress import progress
-from flexarm.cli.records import blame_one_of, load_record, record_names
+from flexarm.cli.progress import Tell
+from flexarm.cli.records import fitted
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -45,6 +46,7 @@ def calibrate(
     hold_out: HoldOut = None,
     jobs: Jobs = None,
     step: Step = 2e-3,
+    max_seconds: MaxSeconds = None,
     json: Json = False,
     force: Force = False,
     allow_outside: AllowOutside = False,
@@ -54,7 +56,7 @@ def calibrate(
     Fits every value with an [uncertainty] in the model, clocks and frames of the records, and each family:
     one effect at all places where it can act, first with one shared size, then one each. Members that the
     data hardly know stay near the shared size. Unlike diagnose it chooses nothing, and it also fits where a
-    gap stays: intervals then widen by what is left.
+    gap stays: intervals then widen by what is left. With --max-seconds it ends with what it has.
 
         flexarm calibrate arm.toml poses --family joint_compliance --out calibrated
         flexarm calibrate arm.toml poses --family encoder_offset --hold-out other_poses --out calibrated
@@ -70,40 +72,22 @@ def calibrate(
 
     refuse_step(step)
     family_kinds(family or [])
-    arm = load_arm(model)
-    names = record_names([*records, *([] if hold_out is None else [hold_out])])
-    read = {name: load_record(path, arm) for name, path in names.items()}
-    held_out = None if hold_out is None else list(read.values())[-1]
-    training = dict(list(read.items())[: len(records)])
-    from flexarm.input_files import hashes, input_files
-    from flexarm.output import output_directory
 
-    inputs = input_files(model, arm, read)
-    with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
-        with blame_one_of(model, names, read, arm):
-            found = _calibrated(arm, training, family or [], held_out, jobs, step)
-        found = replace(found, provenance={**found.provenance, "inputs_sha256": hashes(inputs)})
-        found.write(directory, model)
+    def fit(arm: Arm, training: dict[str, Record], held_out: Record | None, tell: Tell) -> Calibration:
+        return flexarm.calibrate(
+            arm,
+            training,
+            family or [],
+            held_out,
+            jobs=jobs,
+            step=step,
+            max_seconds=max_seconds,
+            progress=tell,
+        )
+
+    found = fitted(model, records, hold_out, out, force, fit)
     if json:
         print_json(found.to_json_dict())
     else:
         print(found.summary())
         print(f"\nwritten to {out}: open {out / 'report.html'}")
-
-
-def _calibrated(
-    arm: Arm,
-    records: dict[str, Record],
-    families: list[str],
-    held_out: Record | None,
-    jobs: int | None,
-    step: float,
-) -> Calibration:
-    """Return the calibration, which tells how far it is."""
-    import flexarm
-
-    with progress() as tell:
-        found: Calibration = flexarm.calibrate(
-            arm, records, families, held_out, jobs=jobs, step=step, progress=tell
-        )
-    return found

@@ -79,10 +79,7 @@ def _beside(
 ) -> tuple[dict[str, Any], list[str], Faults]:
     """Return records beside a model, and the sensors at fault.
 
-    Raises
-    ------
-    InvalidFile
-        If PATH is no model's file.
+    Raise InvalidFile if PATH is no model's file.
     """
     if _reader(path) is not _model:
         raise InvalidFile(path, "PATH", "is no model; records are checked beside one: check MODEL RECORD...")
@@ -129,10 +126,7 @@ def _model(path: Path) -> Told:
 def _loops(arm: Arm) -> dict[str, Any]:
     """Return where joints of loops stand when these are closed first, and how many conditions repeat others.
 
-    Raises
-    ------
-    InvalidParameter
-        If a loop cannot be closed.
+    Raise InvalidParameter if a loop cannot be closed.
     """
     from flexarm.assembly import loops_of
 
@@ -298,6 +292,8 @@ def _head(record: Record) -> list[str]:
 
 def _signal_line(entry: tuple[str, dict[str, Any]]) -> str:
     name, s = entry
+    if not s["rows"]:  # no other signal is without values
+        return f"  signal {name}: {s['quantity']} at {s['at']} [{s['unit']}], the input of responses"
     rate = f"{s['rate_hz']:.4g} Hz" if s["rate_hz"] else "poses"
     rate = f"response to {s['input']}" if s["input"] else rate
     noise = "not stated" if s["noise_std"] is None else f"{s['noise_std']:g}"

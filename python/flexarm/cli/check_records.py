@@ -22,10 +22,7 @@ def check_records(
 ) -> tuple[dict[str, Any], list[str], Faults]:
     """Return the findings of the sensor check as a dictionary, as lines, and the faults.
 
-    Raises
-    ------
-    InvalidFile
-        If model or records cannot be read, or do not belong together.
+    Raise InvalidFile if model or records cannot be read, or do not belong together.
     """
     arm = load_arm(model)
     files = record_names(paths)

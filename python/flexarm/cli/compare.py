@@ -14,8 +14,8 @@ from flexarm.cli.options import (
     Step,
     blame,
     load_arm,
-    print_json,
     refuse_step,
+    show,
     warn,
 )
 
@@ -52,13 +52,10 @@ def compare(
 
         with blame(model, record):
             beside = compare_responses(arm, measured)
-        print_json(beside.to_json_dict()) if json else print(beside.summary())
+        show(beside, json)
         return
     from flexarm.comparison import compare as gap
 
     with blame(model, record):
         result = gap(arm, measured, align=not raw, step=step, check_step=True)
-    if json:
-        print_json(result.to_json_dict())
-    else:
-        print(result.summary())
+    show(result, json)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Force, MaxSeconds, Model, Out, Step, load_arm, refuse_step
-from flexarm.cli.progress import progress
-from flexarm.cli.records import blame_one_of, load_record, record_names
+import flexarm
+from flexarm.cli.options import AllowOutside, Force, Jobs, MaxSeconds, Model, Out, Step, refuse_step
+from flexarm.cli.progress import Tell
+from flexarm.cli.records import fitted
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -24,9 +24,6 @@ Records = Annotated[
 HoldOut = Annotated[
     Path | None,
     typer.Option("--hold-out", metavar="RECORD", help="A record never fitted to: the final check."),
-]
-Jobs = Annotated[
-    int | None, typer.Option("--jobs", min=1, metavar="N", help="Number of threads; default one a core.")
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Same seed, same answer.")]
 
@@ -63,41 +60,11 @@ def diagnose(
         flexarm compare diagnosis/updated.toml other_day
     """
     refuse_step(step)
-    arm = load_arm(model)
-    names = record_names([*records, *([] if hold_out is None else [hold_out])])
-    read = {name: load_record(path, arm) for name, path in names.items()}
-    held_out = None if hold_out is None else list(read.values())[-1]
-    training = dict(list(read.items())[: len(records)])
-    from flexarm.input_files import hashes, input_files
-    from flexarm.output import output_directory
 
-    inputs = input_files(model, arm, read)
-    with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
-        with blame_one_of(model, names, read, arm):
-            found = _diagnosed(arm, training, held_out, jobs, seed, step, max_seconds)
-        traced = {"inputs_sha256": hashes(inputs)}
-        found = replace(found, provenance={**found.provenance, **traced})
-        found.write(directory, model)
-    print(found.summary())
-    print(f"\nwritten to {out}: open {out / 'report.html'}")
-
-
-def _diagnosed(
-    arm: Arm,
-    records: dict[str, Record],
-    held_out: Record | None,
-    jobs: int | None,
-    seed: int,
-    step: float,
-    max_seconds: float | None,
-) -> Diagnosis:
-    """Return the diagnosis, which tells how far it is."""
-    import flexarm
-
-    with progress() as tell:
-        found: Diagnosis = flexarm.diagnose(
+    def fit(arm: Arm, training: dict[str, Record], held_out: Record | None, tell: Tell) -> Diagnosis:
+        return flexarm.diagnose(
             arm,
-            records,
+            training,
             hold_out=held_out,
             jobs=jobs,
             seed=seed,
@@ -105,4 +72,7 @@ def _diagnosed(
             max_seconds=max_seconds,
             progress=tell,
         )
-    return found
+
+    found = fitted(model, records, hold_out, out, force, fit)
+    print(found.summary())
+    print(f"\nwritten to {out}: open {out / 'report.html'}")

@@ -7,12 +7,11 @@ from typing import Annotated
 
 import typer
 
-from flexarm.cli.options import Json, blame, load_arm, print_json, warn
+from flexarm.cli.options import Json, ReplaceFile, blame, load_arm, print_json, warn
 from flexarm.errors import InvalidFile, Problem
 from flexarm.output import refuse_existing
 
 Out = Annotated[Path, typer.Option("--out", metavar="FILE", help="The file to write.")]
-Force = Annotated[bool, typer.Option("--force", help="Replace a file that exists.")]
 
 
 def export(
@@ -29,7 +28,7 @@ def export(
         str | None, typer.Option("--unit", metavar="UNIT", help="Of Nastran and Abaqus: m (default) or mm.")
     ] = None,
     json: Json = False,
-    force: Force = False,
+    force: ReplaceFile = False,
 ) -> None:
     """Write joints or a part for other programs.
 

@@ -7,7 +7,16 @@ from typing import Annotated
 
 import typer
 
-from flexarm.cli.options import JointValues, Json, Model, blame, joint_values, load_arm, print_json
+from flexarm.cli.options import (
+    JointValues,
+    Json,
+    Model,
+    ReplaceFile,
+    blame,
+    joint_values,
+    load_arm,
+    print_json,
+)
 from flexarm.errors import InvalidFile
 from flexarm.output import refuse_existing
 
@@ -27,7 +36,6 @@ Outputs = Annotated[
 ModeCount = Annotated[
     int | None, typer.Option("--modes", min=0, metavar="N", help="Keep only the lowest modes; default all.")
 ]
-Force = Annotated[bool, typer.Option("--force", help="Replace a file that exists.")]
 
 
 def linearise(
@@ -38,7 +46,7 @@ def linearise(
     outputs: Outputs = None,
     modes: ModeCount = None,
     json: Json = False,
-    force: Force = False,
+    force: ReplaceFile = False,
 ) -> None:
     """Write A, B, C, D of the linear model about the equilibrium.
 

@@ -16,19 +16,12 @@ from flexarm.units import FACTORS, factor_to
 
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")
 _FORM = "[GROUP:]E=..,nu=..,rho=.. such as E=210GPa,nu=0.3,rho=7850kg/m3"
-DENSEST = 3e4
-"""Above every density [kg/m3]."""
-STIFFEST = 2e12
-"""Above every Young's modulus [Pa]."""
 
 
 def read_materials(texts: Iterable[str], unit: str) -> tuple[dict[str, Material], list[Problem]]:
     """Return materials by group, "" for all cells without one, and what is to be said about them.
 
-    Raises
-    ------
-    InvalidFile
-        If one is not of the form, names a group twice, or no solid has its values.
+    Raise InvalidFile if one is not of the form, names a group twice, or no solid has its values.
     """
     materials: dict[str, Material] = {}
     notes: list[Problem] = []
@@ -75,16 +68,18 @@ def _values(text: str, values: str) -> dict[str, tuple[float, str]]:
 
 def _in_si(text: str, given: dict[str, tuple[float, str]], unit: str) -> tuple[float, float, list[Problem]]:
     """E [Pa] and rho [kg/m3]."""
+    stiffest = 2e12  # above every Young's modulus [Pa]
+    densest = 3e4  # above every density [kg/m3]
     E, rho = _with_unit(text, *given["E"], "Pa"), _with_unit(text, *given["rho"], "kg/m3")
     if unit == "mm" and E is None and rho is None:
         (young, _), (density, _) = given["E"], given["rho"]
-        if 1e12 * density > DENSEST and 1e6 * young > STIFFEST:
+        if 1e12 * density > densest and 1e6 * young > stiffest:
             what = f"{text!r} is no solid in MPa and t/mm3, the units of --unit mm; taken as Pa and kg/m3"
             return young, density, [Problem("--material", what)]
         E, rho = 1e6 * young, 1e12 * density
     E = E if E is not None else given["E"][0] * (1e6 if unit == "mm" else 1.0)
     rho = rho if rho is not None else given["rho"][0] * (1e12 if unit == "mm" else 1.0)
-    if E > STIFFEST or rho > DENSEST:
+    if stiffest < E or rho > densest:
         raise _refused(f"no solid has E = {E:g} Pa and rho = {rho:g} kg/m3, got {text!r} with --unit {unit}")
     return E, rho, []
 

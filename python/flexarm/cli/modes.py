@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from contextlib import suppress
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from flexarm.cli.options import JointValues, Json, Model, blame, joint_values, load_arm, print_json
+from flexarm.errors import InvalidParameter
+
+if TYPE_CHECKING:
+    from flexarm.modal import Modes
 
 
 def modes(
@@ -20,7 +25,8 @@ def modes(
 ) -> None:
     """Compute natural frequencies about the equilibrium.
 
-    Frequencies [Hz] and damping ratios about the equilibrium under gravity, the joints' drives held.
+    Frequencies [Hz] and damping ratios about the equilibrium under gravity, the joints' drives held; and the
+    joint or link that gives most of each motion, with its share and direction.
 
         flexarm modes arm.toml
         flexarm modes arm.toml --joint hinge=1.57 --count 10
@@ -34,4 +40,15 @@ def modes(
     if json:
         print_json(result.to_json_dict())
     else:
-        print(result.summary())
+        print(_table(result))
+
+
+def _table(found: Modes) -> str:
+    """Return the table of modes, with what moves most in each; arms with closed loops have none yet."""
+    from flexarm.viewer.stages import moving_parts
+
+    lines = found.summary().splitlines()
+    with suppress(InvalidParameter):
+        told = ["moves most", *moving_parts(found)] if len(found.frequency_hz) else []
+        lines[1:] = [f"{line}   {part}" for line, part in zip(lines[1:], told, strict=True)]
+    return "\n".join(lines)

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Protocol
 
 import typer
 
@@ -34,6 +34,10 @@ Force = Annotated[
         "--force",
         help="Write into a directory that holds files: those of the same name are replaced, others stay.",
     ),
+]
+ReplaceFile = Annotated[bool, typer.Option("--force", help="Replace a file that exists.")]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, metavar="N", help="Number of threads; default one a core.")
 ]
 Step = Annotated[float, typer.Option("--step", metavar="S", help="Time step of the simulations [s].")]
 
@@ -65,7 +69,7 @@ MaxSeconds = Annotated[
         "--max-seconds",
         callback=_some_seconds,
         metavar="S",
-        help="Time for all simulations [s]: then the best so far is given, with a note on what was left out.",
+        help="Time after which nothing more is tried [s]; to conclude from what was found takes longer.",
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Directory for the output.")]
@@ -102,10 +106,7 @@ def refuse(faults: Iterable[tuple[Path, Problem]]) -> None:
 def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, float]:
     """Return the values of --joint.
 
-    Raises
-    ------
-    InvalidFile
-        If one is not NAME=NUMBER, names no moving joint, or names one twice.
+    Raise InvalidFile if one is not NAME=NUMBER, names no moving joint, or names one twice.
     """
     joints = [joint.name for joint in arm.moving_joints]
     values: dict[str, float] = {}
@@ -143,10 +144,7 @@ def _is_finite(text: str) -> bool:
 def refuse_step(step: float) -> None:
     """Refuse a time step that is not positive and finite.
 
-    Raises
-    ------
-    InvalidFile
-        With the value of --step.
+    Raise InvalidFile with the value of --step.
     """
     if not 0 < step < math.inf:
         raise InvalidFile("command line", "--step", f"must be positive, got {step:g} s")
@@ -176,6 +174,24 @@ def blame(file: Path, record: Path | None = None) -> Iterator[None]:
             problem.what,
             problems=error.problems,
         ) from None
+
+
+class Shown(Protocol):
+    """A result for programs and for a person."""
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Return its JSON object."""
+
+    def summary(self) -> str:
+        """Return it in lines."""
+
+
+def show(found: Shown, as_json: bool) -> None:
+    """Print a result as one JSON object or in lines."""
+    if as_json:
+        print_json(found.to_json_dict())
+    else:
+        print(found.summary())
 
 
 def print_json(value: object) -> None:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Force, Json, Model, blame, load_arm, print_json, warn
+import flexarm
+from flexarm.cli.options import AllowOutside, Force, Jobs, Json, Model, blame, load_arm, print_json, warn
 from flexarm.cli.progress import progress
 from flexarm.errors import InvalidFile
 
@@ -26,9 +27,6 @@ More = Annotated[
 ]
 OutOrNone = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Directory for plan.json, plan.html, figures.")
-]
-Jobs = Annotated[
-    int | None, typer.Option("--jobs", min=1, metavar="N", help="Number of threads; default one a core.")
 ]
 
 
@@ -80,8 +78,6 @@ def plan(
 
 def _planned(model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: int | None) -> Plan:
     """Return the plan, which tells how far it is."""
-    import flexarm
-
     with progress() as tell, blame(model):
         found: Plan = flexarm.plan(arm, motions, jobs=jobs, progress=tell)
     return found
@@ -90,10 +86,7 @@ def _planned(model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: i
 def _names(paths: list[Path]) -> dict[str, Path]:
     """Return motions by the names of their files or directories.
 
-    Raises
-    ------
-    InvalidFile
-        If two have the same name.
+    Raise InvalidFile if two have the same name.
     """
     found: dict[str, Path] = {}
     for path in paths:

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
-from flexarm.cli.options import blame, warn
+from flexarm.cli.options import blame, load_arm, warn
+from flexarm.cli.progress import Tell, progress
 from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
+    from flexarm.calibration.result import Calibration
+    from flexarm.diagnosis.result import Diagnosis
     from flexarm.record import Record
+
+Found = TypeVar("Found", "Calibration", "Diagnosis")
 
 
 def record_names(paths: list[Path]) -> dict[str, Path]:
     """Name of records: of their directories, with parents as far as two would be the same.
 
-    Raises
-    ------
-    InvalidFile
-        If a record is given twice; what is held out must not be fitted to.
+    Raise InvalidFile if a record is given twice; what is held out must not be fitted to.
     """
     places = [(path.parent if path.name == "record.toml" else path).resolve() for path in paths]
     for i, place in enumerate(places):
@@ -42,6 +45,32 @@ def load_record(path: Path, arm: Arm) -> Record:
     record = Record.load(path)
     warn(path, [*record.check(arm), *record.check_against(arm)])
     return record
+
+
+def fitted(
+    model: Path,
+    records: list[Path],
+    hold_out: Path | None,
+    out: Path,
+    force: bool,
+    fit: Callable[[Arm, dict[str, Record], Record | None, Tell], Found],
+) -> Found:
+    """Fit a model to records but the one held out, and write what is found, traced to its files."""
+    arm = load_arm(model)
+    names = record_names([*records, *([] if hold_out is None else [hold_out])])
+    read = {name: load_record(path, arm) for name, path in names.items()}
+    held_out = None if hold_out is None else list(read.values())[-1]
+    training = dict(list(read.items())[: len(records)])
+    from flexarm.input_files import hashes, input_files
+    from flexarm.output import output_directory
+
+    inputs = input_files(model, arm, read)
+    with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
+        with blame_one_of(model, names, read, arm), progress() as tell:
+            found = fit(arm, training, held_out, tell)
+        found = replace(found, provenance={**found.provenance, "inputs_sha256": hashes(inputs)})
+        found.write(directory, model)
+    return found
 
 
 @contextmanager

@@ -8,9 +8,16 @@ from typing import Annotated
 
 import typer
 
-from flexarm.cli.accept_matrices import MATRIX_SUFFIXES, accepted, refuse_for_matrices
 from flexarm.cli.options import Json, print_json, warn
-from flexarm.cli.reduce_mesh import draw, reduced, refuse_for_meshes, solid_part
+from flexarm.cli.superelements import (
+    MATRIX_SUFFIXES,
+    accepted,
+    draw,
+    reduced,
+    refuse_for_matrices,
+    refuse_for_meshes,
+    solid_part,
+)
 from flexarm.output import output_file, refuse_existing
 
 Mesh = Annotated[

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexarm.cli.options import JointValues, Json, Model, blame, joint_values, load_arm, print_json
+from flexarm.cli.options import JointValues, Json, Model, blame, joint_values, load_arm, show
 
 
 def static(model: Model, joint: JointValues = None, json: Json = False) -> None:
@@ -20,7 +20,4 @@ def static(model: Model, joint: JointValues = None, json: Json = False) -> None:
 
     with blame(model):
         result = solve(arm, joints=values)
-    if json:
-        print_json(result.to_json_dict())
-    else:
-        print(result.summary())
+    show(result, json)

@@ -10,6 +10,7 @@ import typer
 
 from flexarm.cli.options import AllowOutside, JointValues, blame, joint_values, load_arm, warn
 from flexarm.errors import InvalidFile, Problem
+from flexarm.reading import check_hdf5, reading
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
@@ -118,8 +119,6 @@ def _kind(path: Path) -> str:
     """Return "part" for a super-element, or the kind of result that a file holds."""
     import h5netcdf
 
-    from flexarm.reading import check_hdf5, reading
-
     check_hdf5(path)
     with reading(path, "NetCDF"), h5netcdf.File(path, "r") as file:
         return str(file.attrs.get("kind", "part"))
@@ -183,10 +182,7 @@ def _record_of(found: Diagnosis, folder: Path) -> Path | None:
 def _model_of(folder: Path) -> Path:
     """Return the only model that lies in a record's directory or beside it.
 
-    Raises
-    ------
-    InvalidFile
-        If there is none, or more than one.
+    Raise InvalidFile if there is none, or more than one.
     """
     beside = [*folder.glob("*.toml"), *folder.absolute().parent.glob("*.toml")]
     models = sorted(

@@ -39,9 +39,6 @@ if TYPE_CHECKING:
 
 KEPT = 0.9
 """Share of a prior's sigma that is left where the data say nothing."""
-FAR = 5.0
-"""Number of sigmas beyond which an alignment contradicts what the record states."""
-ITERATIONS = 30
 FIRM = 1e-12
 """Share of the greatest square below which the rows determine nothing."""
 
@@ -64,10 +61,11 @@ class Alignment:
 
     @property
     def beyond_prior(self) -> list[str]:
-        """Return parameters that moved beyond `FAR` sigma of their priors."""
+        """Return parameters that moved beyond `far` sigma of their priors."""
+        far = 5.0  # number of sigmas beyond which an alignment contradicts what the record states
         pairs = zip(self.parameters, self.values, strict=True)
         moves = [(u, abs(value - u.centre) / u.sigma) for u, value in pairs if np.isfinite(u.sigma)]
-        return [f"{u} ({move:.0f} sigma)" for u, move in moves if move > FAR]
+        return [f"{u} ({move:.0f} sigma)" for u, move in moves if move > far]
 
     @property
     def undetermined(self) -> list[str]:
@@ -86,6 +84,7 @@ class Alignment:
 
 def align(simulated: SimulatedRecord, start: Placement) -> Alignment:
     """Return clocks and frames that minimise (1), from a guess close for those without a prior."""
+    iterations = 30
     parameters = alignment_parameters(simulated, start)
     places = {each.place for each in parameters}
     out = _gross_outliers(simulated, start, places)
@@ -94,7 +93,7 @@ def align(simulated: SimulatedRecord, start: Placement) -> Alignment:
     rows = _WeightedResiduals(simulated, start, parameters, out)
     values = np.array([each.centre for each in parameters])
     residual, jacobian = rows(values), _jacobian(rows, values, parameters)
-    for _ in range(ITERATIONS):
+    for _ in range(iterations):
         change = _least_squares(jacobian, -residual, parameters)[0]
         values, residual, moved = _line_search(rows, values, residual, change)
         scaled = np.abs(moved) / [each.step for each in parameters]

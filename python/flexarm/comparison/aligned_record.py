@@ -18,6 +18,8 @@ from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
 from flexarm.drive.from_record import true_time
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.modal import modes
+from flexarm.record import Record
 from flexarm.record.plausibility import disjoint_clocks, unknown_motion
 
 if TYPE_CHECKING:
@@ -26,8 +28,6 @@ if TYPE_CHECKING:
     from flexarm.record import Record
 
 MODES = 3
-VISIBLE = 0.01
-"""Part of a mode's motion of the points that a measured axis must show; a frame may be turned by as much."""
 NEEDS_ROTATIONS = ("orientation", "inclination", "angular_rate", "acceleration")
 
 
@@ -72,8 +72,6 @@ def simulate_record(
     alpha: float = -0.05,
 ) -> AlignedRecord:
     """Simulate a record and align it; parameters and errors as of `compare`."""
-    from flexarm.record import Record
-
     if not isinstance(record, Record):
         raise InvalidParameter(
             f"must be a Record, such as Record.load gives, got {type(record).__name__}", where="record"
@@ -128,10 +126,8 @@ def _simulate(arm: Arm, record: Record, step: float, alpha: float) -> Any:
 def require_known_drive(record: Record) -> None:
     """Refuse a record that shows what its drive does not.
 
-    Raises
-    ------
-    InvalidParameter
-        If a signal has no instant in common with the drive, or shows a motion while that is unknown.
+    Raise InvalidParameter if a signal has no instant in common with the drive, or shows a motion while that
+    is unknown.
     """
     for problem in (*disjoint_clocks(record), *unknown_motion(record)):
         raise InvalidParameter(problem.what, where=problem.where)
@@ -151,8 +147,6 @@ def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
 
 def _modes(pair: AlignedRecord) -> list[tuple[float, float]]:
     """Return modes of the arm at the middle of its motion; none if it has no equilibrium there."""
-    from flexarm.modal import modes
-
     run, arm = pair.simulated.simulation, pair.simulated.arm
     angles = np.asarray(run.drive_angle)
     middle = {
@@ -170,6 +164,9 @@ def _modes(pair: AlignedRecord) -> list[tuple[float, float]]:
 
 def _visible(pair: AlignedRecord, found: Modes) -> list[bool]:
     """Return True for modes that move a point along a measured axis; for all without such axes."""
+    # Part of a mode's motion of the points that a measured axis must show; a frame may be turned by as
+    # much.
+    visible = 0.01
     simulated, largest = pair.simulated, np.zeros(len(found.frequency_hz))
     for signal in simulated.evidence.values():
         if signal.quantity == "position":
@@ -180,4 +177,4 @@ def _visible(pair: AlignedRecord, found: Modes) -> list[bool]:
             return [True] * len(largest)
     if not np.any(largest):
         return [True] * len(largest)
-    return [bool(seen) for seen in largest > VISIBLE * np.abs(found.shape[:, :, :3]).max(axis=(1, 2))]
+    return [bool(seen) for seen in largest > visible * np.abs(found.shape[:, :, :3]).max(axis=(1, 2))]

@@ -22,8 +22,6 @@ from flexarm.arrays import Floats
 
 BLOCK = 128
 """Most samples of a block whose samples are not equally spaced."""
-ROUNDING = 1e-12
-"""Share of a cosine's energy added to each, so that nearly equal ones (aliases) can be told apart."""
 EVEN = 1e-3
 """Greatest deviation from equal spacing, as a share of it."""
 
@@ -131,12 +129,14 @@ def _block_energy(time: Floats, values: Floats, edges: Sequence[float]) -> Float
     """Return the sums of squares of one block; the Cholesky factor of overlaps makes cosines orthogonal."""
     from scipy.linalg import cholesky, solve_triangular
 
+    # Share of a cosine's energy added to each, so that nearly equal ones (aliases) can be told apart.
+    rounding = 1e-12
     step = float(np.median(np.diff(time))) if len(time) > 1 else 1.0
     length = float(time[-1] - time[0]) + step
     below = min(int(np.ceil(2 * length * edges[-2])), len(time))  # cosines below the last band
     phase = np.pi * (time - time[0] + step / 2) / length
     cosines = np.cos(phase[:, None] * np.arange(below))  # eq. (1)
-    overlap = cosines.T @ cosines + ROUNDING * len(time) * np.eye(below)
+    overlap = cosines.T @ cosines + rounding * len(time) * np.eye(below)
     parts = solve_triangular(cholesky(overlap, lower=True), cosines.T @ values, lower=True)
     powers = np.sum(parts**2, axis=1)
     return _summed(powers, float(np.sum(values**2)), edges, length)

@@ -6,7 +6,7 @@ With one moving joint, about the axis a through o, at the rigid position p of th
     tangential = a x radial = d p/dq, normed,        normal = a                                      (2)
 
 With several moving joints, or a sliding one, the base's x, y, z. A direction counts as measured if the
-measured axes span it to within `SPAN`.
+measured axes span it to within `span`.
 """
 
 from __future__ import annotations
@@ -20,9 +20,6 @@ from flexarm.arm.kinematics import chain_to, joint_frame, link_pose
 from flexarm.arrays import Floats
 from flexarm.measurement.frames import Registration
 from flexarm.measurement.sampling import columns
-
-SPAN = 0.02
-"""Greatest part of a direction outside of the measured axes: about one degree."""
 
 
 def base_directions(count: int) -> dict[str, Floats]:
@@ -61,10 +58,11 @@ def project(
 
     `axes` names those that were measured; None: all. A direction that they do not span gives None.
     """
+    span = 0.02  # greatest part of a direction outside of the measured axes: about one degree
     measured = (frame.error_rotation.T @ frame.frame_axes)[:, columns(axes)]
     found: dict[str, Floats | None] = {}
     for name, unit in directions.items():
         parts = unit @ measured
         outside = np.sqrt(np.maximum(1 - np.sum(parts**2, axis=1), 0.0))
-        found[name] = np.sum(parts * residual, axis=1) if outside.max(initial=0.0) < SPAN else None
+        found[name] = np.sum(parts * residual, axis=1) if outside.max(initial=0.0) < span else None
     return found

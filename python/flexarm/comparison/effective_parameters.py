@@ -13,12 +13,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-FEW = 3.0
-"""Readings for each aligned value below which that is said: a fifth of the noise is then aligned away."""
-
-ROUNDING = 1e-6
-"""Of p."""
-
 
 @dataclass(frozen=True)
 class EffectiveParameters:
@@ -35,7 +29,11 @@ class EffectiveParameters:
     @property
     def overfitted(self) -> bool:
         """Return True if so few readings were aligned that their residual says little of a model."""
-        return self.readings < FEW * self.count * (1 - ROUNDING)
+        rounding = 1e-6  # of p
+        # Readings for each aligned value below which that is said: a fifth of the noise is then aligned
+        # away.
+        few = 3.0
+        return self.readings < few * self.count * (1 - rounding)
 
     def __str__(self) -> str:
         left = max(0.0, 1.0 - self.count / self.readings) ** 0.5 if self.readings else 0.0

@@ -4,7 +4,7 @@ What the arm was given nobody knows. Its modes ring from amplitudes that the rec
 
 .. math:: s(t) = \sum_w B_w(t) \, e^{A (t - t_w)} s_w                                                (1)
 
-with hats B_w of which two overlap at any time and add up to one, `PERIODS` periods of the record apart. A
+with hats B_w of which two overlap at any time and add up to one, `periods` periods of the record apart. A
 right model rings on from one to the next; a wrong frequency or damping leaves a gap within each, but does not
 fall out of step over the whole record, so that fits find their way from far. The s_w are those of least
 squares,
@@ -41,12 +41,6 @@ if TYPE_CHECKING:
 
 MODES = 6
 """Most modes that ring, of those that the fastest signal can show."""
-PERIODS = 4.0
-"""Periods of the record from one hat of (1) to the next: frequencies may be off by an eighth."""
-SMALL = 1e-4
-"""Motion for the derivatives of readings, of the array that moves most [SI]."""
-LARGE = 1.0
-"""1 sigma of how far a mode swings [m, rad]: what no signal shows stays at rest."""
 
 
 def rings_freely(record: Record) -> bool:
@@ -59,12 +53,8 @@ def simulate_free_vibration(arm: Arm, record: Record, step: float) -> StateSnaps
 
     The record has no drive and `initial = "moving"`.
 
-    Raises
-    ------
-    InvalidParameter
-        If no signal of a known clock and frame shows the vibration.
-    NotConverged
-        If the arm has no stable equilibrium.
+    Raise InvalidParameter if no signal of a known clock and frame shows the vibration, and NotConverged if
+    the arm has no stable equilibrium.
     """
     drive = Drive.from_record(record, arm)
     time = np.linspace(drive.start, drive.end, max(int(np.ceil((drive.end - drive.start) / step)), 1) + 1)
@@ -104,9 +94,10 @@ class _Channels:
 
     @classmethod
     def of(cls, pair: SimulatedRecord, signal: Signal, placement: Placement, motion: FreeMotion) -> _Channels:
+        small = 1e-4  # motion for the derivatives of readings, of the array that moves most [SI]
         n = len(motion.A)
         size = np.max([np.abs(s).reshape(-1, n).max(axis=0, initial=0.0) for s in motion.slopes.values()], 0)
-        steps = SMALL / np.maximum(size, 1e-300)
+        steps = small / np.maximum(size, 1e-300)
         states = motion.along(np.vstack([np.zeros(n), np.diag(steps)]), np.arange(n + 1.0))
         effects = pair.effects(signal)
         shown = effects.reading(read(states, signal, states.time, pair.frame(signal, placement)), False)
@@ -132,7 +123,9 @@ class _Hats:
     @classmethod
     def over(cls, start: float, end: float, frequency: float) -> _Hats:
         """Return hats over a record that swings at a frequency [Hz]."""
-        between = max(round((end - start) * frequency / PERIODS), 1)
+        # Periods of the record from one hat of (1) to the next: frequencies may be off by an eighth.
+        periods = 4.0
+        between = max(round((end - start) * frequency / periods), 1)
         return cls(start, (end - start) / between, between + 1)
 
     def at(self, time: Floats, w: int) -> Floats:
@@ -157,6 +150,7 @@ class _Hats:
 
 def _amplitudes(motion: FreeMotion, hats: _Hats, free: Indices, seen: list[_Channels]) -> Floats:
     """Return the s_w of (2), shape (hats, state)."""
+    large = 1.0  # 1 sigma of how far a mode swings [m, rad]: what no signal shows stays at rest
     values, V = np.linalg.eig(motion.A)
     inverse = np.linalg.inv(V)[:, free]
     rows, right = [], []
@@ -180,7 +174,7 @@ def _amplitudes(motion: FreeMotion, hats: _Hats, free: Indices, seen: list[_Chan
     A, y = np.vstack(rows), np.concatenate(right)
     per_motion = np.tile(1.0 / _motion(motion)[free], hats.count)
     A[:, : len(per_motion)] *= per_motion
-    weak = np.eye(len(per_motion), A.shape[1]) / LARGE
+    weak = np.eye(len(per_motion), A.shape[1]) / large
     best = np.linalg.lstsq(np.vstack([A, weak]), np.append(y, np.zeros(len(weak))), rcond=None)[0]
     best[: len(per_motion)] *= per_motion
     found = np.zeros((hats.count, len(motion.A)))

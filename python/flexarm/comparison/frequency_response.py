@@ -226,7 +226,8 @@ def _gap(arm: Arm, record: Record, signal: Signal, modes_hz: list[float]) -> Res
     bands = []
     for low, high in zip(edges, ends, strict=True):
         inside = (frequency > low) & (frequency <= high)
-        bands.append(Band(low, high, float(np.sqrt(squares[inside].sum() / len(squares)))))
+        if inside.any():
+            bands.append(Band(low, high, float(np.sqrt(squares[inside].sum() / len(squares)))))
     names = channel_names(signal.quantity, signal.axes)
     channels = ("total",) if names == ("",) else tuple(names)
     noise = signal.response_noise[rows]

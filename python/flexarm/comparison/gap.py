@@ -25,9 +25,6 @@ from flexarm.measurement.sampling import sample
 if TYPE_CHECKING:
     from flexarm.record import Signal
 
-JITTER_STEP = 1e-4
-"""Half the difference of time for the rate in (2) [s]."""
-
 
 @dataclass(frozen=True, eq=False)
 class SignalGap:
@@ -114,6 +111,7 @@ def signal_gap(
 
 def _noise(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> float:
     """Return the noise of the total, eq. (2)."""
+    jitter_step = 1e-4  # half the difference of time for the rate in (2) [s]
     square = float(np.sum(simulated.noise(signal) ** 2))
     if signal.jitter_std > 0 and simulated.record.kind == "motion":
         clock, clocks = placement.clock(signal), placement.clocks
@@ -125,9 +123,9 @@ def _noise(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> 
                 ),
                 hold=True,
             )
-            for shift in (-JITTER_STEP, JITTER_STEP)
+            for shift in (-jitter_step, jitter_step)
         )
-        rate = (behind - ahead) / (2 * JITTER_STEP)
+        rate = (behind - ahead) / (2 * jitter_step)
         square += signal.jitter_std**2 * float(np.nanmean(np.sum(rate**2, axis=1)))
     return float(np.sqrt(square))
 

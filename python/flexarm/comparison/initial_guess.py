@@ -38,13 +38,6 @@ from flexarm.measurement.tracker import base_position
 if TYPE_CHECKING:
     from flexarm.record import Signal
 
-OVERLAP = 0.25
-"""Least share of the samples that must fall into the run."""
-FINEST = 0.05
-"""Greatest spacing of the delays that are tried [s]; the alignment refines the best."""
-PEAKS = 3
-"""Number of coarse delays about which finer ones are tried [1]: sines correlate at every period."""
-
 
 def initial_guess(simulated: SimulatedRecord, start: Placement) -> Placement:
     """Return `start` with unknown clocks (1) and frames (2) replaced by guesses from the data."""
@@ -56,10 +49,7 @@ def initial_guesses(simulations: Sequence[SimulatedRecord], starts: Sequence[Pla
 
     A clock or frame that one record knows starts there in all.
 
-    Raises
-    ------
-    InvalidParameter
-        If a clock cannot have one offset in all records that it is in.
+    Raise InvalidParameter if a clock cannot have one offset in all records that it is in.
     """
     found = list(starts)
     for name in dict.fromkeys(name for simulated in simulations for name in simulated.record.clocks):
@@ -142,10 +132,11 @@ class _Speeds:
 
     def pairs(self, delay: float) -> tuple[Floats, Floats] | None:
         """Return centred measured and simulated steps of (1) at one delay; None if too few lie in the run."""
+        overlap = 0.25  # least share of the samples that must fall into the run
         instants = self.stamps - delay
         inside = (instants >= self.time[0]) & (instants <= self.time[-1])
         both = inside[1:] & inside[:-1]
-        if both.sum() < max(3, OVERLAP * len(both)):
+        if both.sum() < max(3, overlap * len(both)):
             return None
         there = np.stack([np.interp(instants, self.time, channel) for channel in self.predicted.T], axis=1)
         one, other = self.steps[both], np.linalg.norm(np.diff(there, axis=0), axis=1)[both]
@@ -154,8 +145,10 @@ class _Speeds:
 
 def _delay(clock: str, moving: Sequence[tuple[SimulatedRecord, Signal]]) -> float:
     """Return the delay (1) over all records."""
+    peaks = 3  # number of coarse delays about which finer ones are tried [1]: sines correlate at every period
+    finest = 0.05  # greatest spacing of the delays that are tried [s]; the alignment refines the best
     tracks = [_Speeds.of(simulated, signal) for simulated, signal in moving]
-    step = min(FINEST, *(float(np.median(np.diff(track.stamps))) for track in tracks))
+    step = min(finest, *(float(np.median(np.diff(track.stamps))) for track in tracks))
     least = max(track.stamps[0] - track.time[-1] for track in tracks)
     most = min(track.stamps[-1] - track.time[0] for track in tracks)
     if most < least:
@@ -164,10 +157,10 @@ def _delay(clock: str, moving: Sequence[tuple[SimulatedRecord, Signal]]) -> floa
             "Clocks that were set anew need names of their own",
             where=f"clocks.{clock}",
         )
-    delays, scores = _correlations([track.thinned(FINEST) for track in tracks], least, most, FINEST)
+    delays, scores = _correlations([track.thinned(finest) for track in tracks], least, most, finest)
     found = []
-    for peak in delays[np.argsort(-scores)[:PEAKS]]:
-        near = max(least, peak - FINEST), min(most, peak + FINEST)
+    for peak in delays[np.argsort(-scores)[:peaks]]:
+        near = max(least, peak - finest), min(most, peak + finest)
         delays, scores = _correlations(tracks, *near, step)
         best = int(np.argmax(scores))
         refined = delays[best] + step * _parabola_peak(scores[max(best - 1, 0) : best + 2])

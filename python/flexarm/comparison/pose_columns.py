@@ -33,10 +33,6 @@ TURN = 0.05
 """Rotation of a frame, and of a joint by each part of (3) where that is greatest [rad]: three degrees."""
 SHIFT = 0.02
 """Shift of a frame over the reach of the arm."""
-KNOWN = 5.0
-"""Stated sigmas of a registration that it may be off by."""
-FREE = 10.0
-"""Reaches or radians that a frame may be off by of which nothing is stated: as good as any."""
 ANGLES = ("joint_angle", "inclination", "orientation")
 """Quantities of which a model misses by `TURN`; of others that are no places it may miss all it says."""
 
@@ -49,6 +45,8 @@ def pose_columns(simulated: SimulatedRecord, signal: Signal, placement: Placemen
 
 def _of_point(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Iterator[Floats]:
     """Yield (1) to (3) of a point, along the measured axes."""
+    free = 10.0  # reaches or radians that a frame may be off by of which nothing is stated: as good as any
+    known = 5.0  # stated sigmas of a registration that it may be off by
     arm, instants, axes = (
         simulated.arm,
         simulated.instants(signal, placement),
@@ -58,8 +56,8 @@ def _of_point(simulated: SimulatedRecord, signal: Signal, placement: Placement) 
     angles = drive_angles(simulated, instants)
     there = base_position(simulated.simulation, signal, instants)
     yield (there - link_pose(arm, place.link, angles).of_point(np.asarray(place.position))) @ axes  # eq. (2)
-    shift = FREE * size if frame.unknown else max(SHIFT * size, KNOWN * frame.translation)
-    turn = FREE if frame.unknown else max(TURN, KNOWN * frame.rotation)
+    shift = free * size if frame.unknown else max(SHIFT * size, known * frame.translation)
+    turn = free if frame.unknown else max(TURN, known * frame.rotation)
     for axis in np.eye(3):
         yield shift * np.broadcast_to(axis @ axes, (len(signal), axes.shape[1]))  # eq. (1)
         yield turn * np.cross(axis, there) @ axes

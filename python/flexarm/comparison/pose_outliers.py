@@ -46,18 +46,6 @@ FAR = 0.01
 """Over the reach, or in rad: 10 mrad, twice the widest backlash of a drive, whose flanks no column knows."""
 DESCRIBED = ("position", "joint_angle")
 """Quantities that the columns describe; what tilts, bears or bends also depends on how joints are turned."""
-ALIKE, ENDS = 5, 6.0
-"""Rows that make a plateau, and the noises that those at an end of the range may differ by."""
-WIDE, NEAR = 2.4, 6.0
-"""Scales s at which a row's weight is a half, and within which rows are near the fit."""
-WEIGHTED, TRIMMED = 30, 5
-"""Most rounds of the fit with weights, and those of the fit by near rows."""
-SETTLED = 1e-2
-"""Change of the scale, over itself, below which the former end."""
-FRAMES = 4
-"""Most rigid fits of a frame, each without the outliers beside the one before."""
-TINY = 1e-9
-"""Least scale over the greatest gap, for records without noise; least freedom of a row, for rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +61,9 @@ def pose_outliers(simulated: SimulatedRecord, start: Placement) -> dict[str, Pos
 
     Frames are as stated in `start`; those of which nothing is stated are fitted here.
     """
+    frames = 4  # most rigid fits of a frame, each without the outliers beside the one before
     found: dict[str, PoseOutliers] = {}
-    for _ in range(FRAMES):
+    for _ in range(frames):
         placement = initial_guess(_without(simulated, found), start)
         each = {name: _of_signal(simulated, signal, placement) for name, signal in simulated.evidence.items()}
         last, found = found, {name: far for name, far in each.items() if far is not None}
@@ -118,14 +107,16 @@ def _of_signal(simulated: SimulatedRecord, signal: Signal, placement: Placement)
 
 
 def _repeated(values: Floats, noise: float) -> NDArray[np.bool_]:
-    """Return True at readings that `ALIKE` rows share, exactly or, at the ends of the range, to the noise."""
+    """Return True at readings that `alike` rows share, exactly or, at the ends of the range, to the noise."""
+    # Rows that make a plateau, and the noises that those at an end of the range may differ by.
+    alike, ends = 5, 6.0
     found = np.zeros(values.shape, dtype=bool)
     for channel, column in zip(found.T, values.T, strict=True):
         _, number, count = np.unique(column, return_inverse=True, return_counts=True)
-        channel |= count[number] >= ALIKE
+        channel |= count[number] >= alike
         for end in (column.min(), column.max()):
-            at = np.abs(column - end) <= ENDS * noise
-            channel |= at & (at.sum() >= ALIKE)
+            at = np.abs(column - end) <= ends * noise
+            channel |= at & (at.sum() >= alike)
     return found
 
 
@@ -134,19 +125,25 @@ def prediction_residuals(columns: Floats, gap: Floats, noise: Floats) -> tuple[F
 
     A of (1) has the shape (n, channels, k), y (n, channels), and the noise of the readings (channels,).
     """
-    least = max(float(np.max(noise)), TINY * float(np.max(np.abs(gap))), np.finfo(float).tiny)
+    # Least scale over the greatest gap, for records without noise; least freedom of a row, for rounding.
+    tiny = 1e-9
+    settled = 1e-2  # change of the scale, over itself, below which the former end
+    weighted, trimmed = 30, 5  # most rounds of the fit with weights, and those of the fit by near rows
+    # Scales s at which a row's weight is a half, and within which rows are near the fit.
+    wide, near = 2.4, 6.0
+    least = max(float(np.max(noise)), tiny * float(np.max(np.abs(gap))), np.finfo(float).tiny)
     weight, scale = np.zeros(len(gap)), max(least, float(np.median(np.abs(gap))) / 0.6745)
     left = gap
-    for _ in range(WEIGHTED):
-        weight, last = 1 / (1 + np.mean(left**2, axis=1) / (WIDE * scale) ** 2), scale
+    for _ in range(weighted):
+        weight, last = 1 / (1 + np.mean(left**2, axis=1) / (wide * scale) ** 2), scale
         left, scale, _ = _fit(columns, gap, weight, scale, least)
-        if abs(scale - last) < SETTLED * last:
+        if abs(scale - last) < settled * last:
             break
-    weight = (np.mean(left**2, axis=1) < (NEAR * scale) ** 2).astype(float)
-    for _ in range(TRIMMED):
+    weight = (np.mean(left**2, axis=1) < (near * scale) ** 2).astype(float)
+    for _ in range(trimmed):
         left, scale, leverage = _fit(columns, gap, weight, scale, least)
     # of rows that counted (1 - H)^-1, of others 1 + H
-    freedom = np.eye(gap.shape[1]) - leverage + TINY * np.eye(gap.shape[1])
+    freedom = np.eye(gap.shape[1]) - leverage + tiny * np.eye(gap.shape[1])
     spread = np.where(weight[:, None, None] > 0, np.linalg.inv(freedom), np.eye(gap.shape[1]) + leverage)
     off = np.where(weight[:, None] > 0, np.einsum("nab,nb->na", spread, left), left)  # eq. (2)
     return off, scale * np.sqrt(np.maximum(np.einsum("naa->na", spread), 0.0))

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, neighbours, parameters
 from flexarm.arm.sensor_effect import SignalEffect
 from flexarm.arrays import Floats
@@ -21,14 +21,11 @@ from flexarm.comparison.pose_sequence import SEEN, PoseSequence, sequence, slope
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
+from flexarm.record import Record, Signal
 from flexarm.record.compatibility import with_payload_masses
 from flexarm.record.plausibility import INPUTS
 from flexarm.sensitivity import Sensitivities, entry_of
 from flexarm.statics.batch import DriveVariation, StaticsBatch, StaticSolution
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Record, Signal
 
 FORCES = ("motor_torque", "motor_voltage", "force", "strain")
 """Quantities that see torques and forces."""
@@ -44,12 +41,8 @@ def is_input(record: Record, signal: Signal) -> bool:
 def solve_poses(arm: Arm, record: Record, *, sensitivities: Iterable[str] = ()) -> PoseSequence:
     """Solve the equilibrium of every pose of a static record, with derivatives as in `simulate`.
 
-    Raises
-    ------
-    InvalidParameter
-        If a drive does not say where a joint stands in a pose, or there is no derivative by a parameter.
-    NotConverged
-        If a pose has no stable equilibrium.
+    Raise InvalidParameter if a drive does not say where a joint stands in a pose, or there is no derivative
+    by a parameter, and NotConverged if a pose has no stable equilibrium.
     """
     model = _StaticModel(arm, record, parameters(arm, sensitivities))
     found = [model.held(model.inputs(pose), model.turning(pose)) for pose in record.poses]

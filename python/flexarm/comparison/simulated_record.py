@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,24 +22,15 @@ from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.outliers import expected_outliers
 from flexarm.measurement.predict import in_base, in_frame
 from flexarm.measurement.sampling import CannotMeasure, columns
+from flexarm.record import Record, Signal
 from flexarm.record.plausibility import disjoint_signals
-
-if TYPE_CHECKING:
-    from flexarm.record import Record, Signal
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Hold clocks and frames of a record, as stated or as aligned.
+    """Clocks of a record against that of its drive, whose time is the simulation's, and its frames.
 
-    Attributes
-    ----------
-    clocks : dict of str to ClockError
-        Against the clock of the drive, whose time is the simulation's.
-    frames : dict of str to Registration
-        Where the frames of measurement are.
-
-    Effects of the model on clocks and frames are not in it; they come on top.
+    They are as stated or as aligned. Effects of the model on clocks and frames come on top.
     """
 
     clocks: Mapping[str, ClockError] = field(default_factory=dict)

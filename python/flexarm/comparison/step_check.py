@@ -2,9 +2,9 @@
 
 The method is of second order: with the change c of a prediction where a step h is halved, the step
 
-    h' = h sqrt(FINE noise / c)                                                                       (1)
+    h' = h sqrt(fine noise / c)                                                                       (1)
 
-brings the change to `FINE` of the noise.
+brings the change to `fine` of the noise.
 """
 
 from __future__ import annotations
@@ -23,12 +23,9 @@ if TYPE_CHECKING:
     from flexarm.comparison.aligned_record import AlignedRecord
     from flexarm.record import Signal
 
-FINE = 0.5
-"""Change of a prediction over its noise, where the step is halved, from which on it is told."""
-
 
 def step_notes(arm: Arm, pair: AlignedRecord, step: float, alpha: float) -> Iterator[str]:
-    """Yield a sentence for each signal that half a time step moves by more than `FINE` of its noise.
+    """Yield a sentence for each signal that half a time step moves by more than `fine` of its noise.
 
     Takes one more simulation of twice the work; nothing for poses.
     """
@@ -47,11 +44,12 @@ def step_notes(arm: Arm, pair: AlignedRecord, step: float, alpha: float) -> Iter
 
 def step_note(moved: float, noise: float, step: float) -> str:
     """Return in words that half a step moves a prediction too far, and what step would do (1); else ""."""
-    if not 0 < FINE * noise < moved < np.inf:
+    fine = 0.5  # change of a prediction over its noise, where the step is halved, from which on it is told
+    if not 0 < fine * noise < moved < np.inf:
         return ""
     return (
         f"half the time step of {1e3 * step:.3g} ms moves the prediction by {moved / noise:.2g} times the "
-        f"noise; take a step of {1e3 * _rounded(step * sqrt(FINE * noise / moved)):.3g} ms or less (--step)"
+        f"noise; take a step of {1e3 * _rounded(step * sqrt(fine * noise / moved)):.3g} ms or less (--step)"
     )
 
 

@@ -36,8 +36,6 @@ from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import DIFFERENTIATED
 
 Schedule = Mapping[str, Callable[[float], Controller]]
-_LOOK = 64
-"""Samples between two reports of progress."""
 
 
 def simulate_closed_loop(
@@ -177,6 +175,7 @@ def _sampled(
 
     Where there is no voltage they are NaN.
     """
+    look = 64  # samples between two reports of progress
     count = min(len(samples) for samples in commands.values())
     torque: list[Real] = [0.0] * len(task.arm.joints)
     voltage = np.full((count, len(torque)), np.nan)
@@ -190,7 +189,7 @@ def _sampled(
                     voltage[held, loop.joint] = value_of(volts)
                     slopes[held, loop.joint] = slopes_of(volts, plant.n_parameters)
             plant.advance(torque, grid.substeps)
-            if report is not None and k % _LOOK == 0 and report(k / count) is False:
+            if report is not None and k % look == 0 and report(k / count) is False:
                 break
     slopes[np.isnan(voltage)] = np.nan
     return voltage, slopes

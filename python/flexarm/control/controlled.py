@@ -40,10 +40,7 @@ class ControlledArm:
     def of(cls, arm: Arm, drive: Drive) -> ControlledArm:
         """Return the arm with its own controllers.
 
-        Raises
-        ------
-        InvalidParameter
-            If a commanded joint has none.
+        Raise InvalidParameter if a commanded joint has none.
         """
         known = {controller.joint: controller for controller in arm.controllers}
         found = {}

@@ -32,8 +32,6 @@ from flexarm.measurement.deformation import rigid_reference
 from flexarm.measurement.sampling import columns
 
 Point = tuple[float, float, float]
-_STEP = 1e-5
-"""Of differences by a joint's angle [rad or m]."""
 
 
 @dataclass(frozen=True)
@@ -62,19 +60,9 @@ class _Line:
 
 
 class DeflectionSensor:
-    """A sensor of deflection with one axis.
+    """A sensor of deflection with one axis, in a model with its effects.
 
-    Parameters
-    ----------
-    model : Arm
-        The model, with its effects.
-    sensor : Sensor
-        Names the point and the axis.
-
-    Raises
-    ------
-    CannotMeasure
-        If the frame of the undeformed link is not known from joint angles alone.
+    Raise CannotMeasure if the frame of the undeformed link is not known from joint angles alone.
     """
 
     def __init__(self, model: Any, sensor: Any) -> None:
@@ -108,15 +96,14 @@ class DeflectionSensor:
 
         (2) is linear in the position; by angles they are differences, right to 1e-11 of the distance.
         """
+        step = 1e-5  # of differences by a joint's angle [rad or m]
         here = self.read(position, angles)
         by_position = np.array([self.read(position + unit, angles) - here for unit in np.eye(3)])
         by_angle = np.zeros(len(angles))
         for joint, _ in self._lines:
             h = np.zeros(len(angles))
-            h[joint] = _STEP
-            by_angle[joint] = (self.read(position, angles + h) - self.read(position, angles - h)) / (
-                2 * _STEP
-            )
+            h[joint] = step
+            by_angle[joint] = (self.read(position, angles + h) - self.read(position, angles - h)) / (2 * step)
         return by_position, by_angle
 
     def __eq__(self, other: object) -> bool:

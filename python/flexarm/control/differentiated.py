@@ -40,23 +40,10 @@ from flexarm.statics.backlash_derivative import require_backlash_derivative
 
 
 class Differentiation:
-    """The parameters and the derivatives of a run under controllers.
+    """The parameters and the derivatives of a run under controllers that begins at `start` [s].
 
-    Parameters
-    ----------
-    task : ControlledArm
-        The arm, its drive and its controllers.
-    wanted : tuple of Parameter
-        By what.
-    start : float
-        Of the run [s].
-    record : Record, optional
-        Where the drive comes from one: effects on what it showed move the drive.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is no derivative by one of the parameters.
+    Effects on what a record showed move the drive that comes from it. Raise InvalidParameter if there is no
+    derivative by one of the parameters.
     """
 
     def __init__(

@@ -23,15 +23,7 @@ from flexarm.arrays import Floats
 
 
 class Dual:
-    """A number and its derivatives.
-
-    Parameters
-    ----------
-    value : float
-        The number.
-    slopes : ndarray, shape (parameter,)
-        Its derivatives.
-    """
+    """A number and its derivatives, shape (parameter,)."""
 
     __slots__ = ("slopes", "value")
     __array_ufunc__ = None  # numbers of NumPy leave operations with it to it

@@ -29,10 +29,7 @@ class SampleGrid:
     def of(cls, controllers: Mapping[str, Controller], longest: float) -> SampleGrid:
         """Return the grid of some controllers; its step is the largest part of a tick up to `longest` [s].
 
-        Raises
-        ------
-        InvalidParameter
-            If the sample times have no common grid.
+        Raise InvalidParameter if the sample times have no common grid.
         """
         tick = min(controller.sample_time for controller in controllers.values())
         every = {name: _multiple(controller, tick) for name, controller in controllers.items()}

@@ -31,10 +31,8 @@ class Reading:
 class CascadeLaw:
     """Position loop around a PI velocity loop; its output is a torque.
 
-    Parameters
-    ----------
-    holding_torque : float or Dual
-        What holds the arm at the start, output-referred [N m]; without an integral part it is not used.
+    `holding_torque` holds the arm at the start, output-referred [N m]; without an integral part it is not
+    used.
     """
 
     def __init__(self, holding_torque: Real) -> None:

@@ -17,16 +17,8 @@ from flexarm.control.sensing import Sensing
 class Loop:
     """Sensors, law and motor of one joint.
 
-    Parameters
-    ----------
-    controller : callable
-        The controller at a time [s].
-    sensing : Sensing
-        What it reads.
-    actuator : VoltageDrive or TorqueDrive
-        What it drives.
-    holding : float or Dual
-        Torque that holds the arm at the start, output-referred [N m].
+    `controller` gives the controller at a time [s], and `holding` is the torque that holds the arm at the
+    start, output-referred [N m].
     """
 
     def __init__(

@@ -50,15 +50,7 @@ class Plant:
 
 
 class DifferentiatedPlant(Plant):
-    """The same with the derivatives of all that it shows.
-
-    Parameters
-    ----------
-    run : DifferentiatedSampledRun
-        Of the core.
-    n_parameters : int
-        By how many parameters.
-    """
+    """The same with the derivatives of all that it shows by `n_parameters`."""
 
     def __init__(self, run: _core.DifferentiatedSampledRun, n_parameters: int) -> None:
         super().__init__(run.run)

@@ -33,20 +33,9 @@ from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import SensorEffects, effects_of
 from flexarm.measurement.encoder import quantised
 
-_STEP = 1e-5
-"""Of differences by a true value, in parts of the larger of it and one unit: errors of 1e-11 either way."""
-
 
 class Sensing:
-    """The readings of one controller.
-
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    controller : Controller
-        Names joint and deflection sensor.
-    """
+    """The readings of one controller, which names joint and deflection sensor of the arm."""
 
     def __init__(self, arm: Arm, controller: Controller) -> None:
         self._arm = arm
@@ -102,16 +91,8 @@ class Sensing:
 class DifferentiatedSensing(Sensing):
     """The readings of one controller with their derivatives, eq. (2).
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    controller : Controller
-        Names joint and deflection sensor.
-    perturbed : sequence of (Arm, Arm)
-        For each parameter the model with a little more and a little less of it.
-    spreads : sequence of float
-        By how much the two values of each parameter differ.
+    For each parameter `perturbed` has the model with a little more and a little less of it, and `spreads` by
+    how much its two values differ.
     """
 
     def __init__(
@@ -130,10 +111,13 @@ class DifferentiatedSensing(Sensing):
                 self._moved.append((k, spread, up._geometry, down._geometry))
 
     def _shown(self, sensor: Sensor | None, true: Real) -> Real:
+        # Of differences by a true value, in parts of the larger of it and one unit: errors of 1e-11 either
+        # way.
+        step = 1e-5
         if not isinstance(true, Dual) or sensor is None or not self._errs(sensor):
             return true
         u, seen = true.value, self._effects[sensor.name]
-        h = _STEP * max(1.0, abs(u))
+        h = step * max(1.0, abs(u))
         high, low = seen.reading(np.array([[u + h], [u - h]]), rounded=False)[:, 0]
         slopes: Floats = (high - low) / (2 * h) * true.slopes
         at = np.array([[u]])

@@ -60,13 +60,7 @@ class System:
 
 
 class Grids:
-    """The grids of a bulk data file, and its coordinate systems, which may refer to one another.
-
-    Attributes
-    ----------
-    cards : dict
-        GRID by number.
-    """
+    """GRID cards of a bulk data file by number, and coordinate systems, which may refer to one another."""
 
     def __init__(self) -> None:
         self.cards: dict[int, Card] = {}

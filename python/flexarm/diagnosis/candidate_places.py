@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from flexarm.arm import Arm
-from flexarm.arm.gears import coupled_joints
+from flexarm.arm.joint import coupled_joints
 from flexarm.arm.link import Beam, RigidLink
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.comparison.alignment_parameters import drive_clock

@@ -45,6 +45,7 @@ from flexarm.diagnosis.remarks import swings, unfitted, unweighed, weighed_loads
 from flexarm.diagnosis.repair import moved, repaired, worth_keeping
 from flexarm.diagnosis.result import Diagnosis, Verdict
 from flexarm.diagnosis.screening import probe
+from flexarm.diagnosis.search_step import step_remarks, with_fine_step
 from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.split import named_hold_out, split
 from flexarm.diagnosis.uncertainty import Estimates, estimates
@@ -108,7 +109,7 @@ def diagnose(
     seed : int
         Of the bootstrap; same seed, same answer.
     step, alpha : float
-        Of all simulations [s], [-].
+        Of all simulations [s], [-]; records that ask for it get half or a quarter of the step.
     policy : SelectionPolicy, optional
         Thresholds of the search; all have a default.
     max_seconds : float, optional
@@ -174,6 +175,9 @@ def _diagnosis(
         jobs=jobs or os.cpu_count() or 1,
         policy=policy,
     )
+    problem = with_fine_step(problem, problem.arm)
+    remarks = (*remarks, *step_remarks(step, problem.step / COARSE))
+    step = problem.step / COARSE
     allow_for_input_noise(problem, problem.arm)
     input_noise = input_noise_by_signal(problem)
     problem, coarse = with_coarse_encoders(weighted_by_input_noise(problem), seed)

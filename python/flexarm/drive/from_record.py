@@ -25,12 +25,10 @@ if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.record import Record, Signal
 
-_AFTER_THE_LAST = 0.02
-"""Time after the last stamp at which a run ends [s], for clocks that are late."""
-
 
 def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
     """Return the attributes of the drive of a record, see `Drive.from_record`."""
+    after_the_last = 0.02  # time after the last stamp at which a run ends [s], for clocks that are late
     if record.kind != "motion":
         what = "poses do" if record.kind == "static" else "a frequency response does"
         raise InvalidParameter(
@@ -56,7 +54,7 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
         raise InvalidParameter("holds no times of a known clock", where="signals")
     lead = 0.0
     starts = [drive.breaks[0] for drive in joints.values()] or [first for first, _ in known]
-    end = max(last for _, last in known) + _AFTER_THE_LAST
+    end = max(last for _, last in known) + after_the_last
     if record.initial == "moving" and all(each.side != "command" for each in joints.values()):
         joints, lead = {name: led_in(each) for name, each in joints.items()}, LEAD
     return {

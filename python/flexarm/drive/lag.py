@@ -32,17 +32,12 @@ if TYPE_CHECKING:
 
 APART = 0.25
 """Distance of knots over the time constant where the exponential of (2) is alive."""
-GONE = 1e-12
-"""Part of the drive's range below which it is not."""
 
 
 def as_followed(drive: Drive, arm: Arm) -> Drive:
     """Return the motions with which motors follow their drives, those of outputs of gears at the inputs.
 
-    Raises
-    ------
-    InvalidParameter
-        If a joint is to follow a torque or a held command late.
+    Raise InvalidParameter if a joint is to follow a torque or a held command late.
     """
     effects = {effect.at: effect for effect in arm.effects if isinstance(effect, DriveEffect)}
     late = _late(drive, effects)
@@ -73,6 +68,7 @@ def _late(drive: Drive, effects: dict[str, DriveEffect]) -> Drive:
 
 def lagged(drive: JointDrive, delay: float, time_constant: float) -> JointDrive:
     """Return the response (1) to a drive u, with D and tau [s] that are not negative."""
+    gone = 1e-12  # part of the drive's range below which it is not
     drive = replace(drive, breaks=drive.breaks + delay)
     if not time_constant > 0:
         return drive
@@ -82,7 +78,7 @@ def lagged(drive: JointDrive, delay: float, time_constant: float) -> JointDrive:
     part = _settled(p, time_constant)
     widths = [*np.diff(drive.breaks), np.inf]
     c = _transients(part, widths, float(p[-1, 0]), time_constant)
-    floor = GONE * max(float(np.ptp(p[-1])), abs(float(p[-1, 0])), 1e-300)
+    floor = gone * max(float(np.ptp(p[-1])), abs(float(p[-1, 0])), 1e-300)
     knots = [_knots(width, abs(size), floor, time_constant) for width, size in zip(widths, c, strict=True)]
     piece = np.repeat(np.arange(len(knots)), [len(each) for each in knots])
     values = _at(np.concatenate(knots), part[:, piece], c[piece], time_constant)

@@ -25,8 +25,6 @@ from flexarm.drive.joint_drive import JointDrive
 
 LEAD = 4.0
 """T of (1) [s]: several periods of an arm's first mode."""
-WINDOW = 1.0
-"""Window of the trend [s]."""
 FAR = 3.0
 """Greatest difference of first rates from those of the trend, over their rms [-]."""
 
@@ -42,7 +40,8 @@ def led_in(drive: JointDrive) -> JointDrive:
 
 def _first_rates(drive: JointDrive) -> tuple[float, float]:
     """Return v and a of (1)."""
-    t = np.linspace(0.0, min(WINDOW, drive.breaks[-1] - drive.breaks[0]), 201)
+    window = 1.0  # window of the trend [s]
+    t = np.linspace(0.0, min(window, drive.breaks[-1] - drive.breaks[0]), 201)
     values = drive(drive.breaks[0] + t)
     trend = Polynomial.fit(t, values, min(3, len(drive.coefficients) - 1)).convert()
     found = []

@@ -5,17 +5,15 @@ r"""A dead channel: a broken wire or a stopped converter shows one value for eve
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ChannelEffect, Channels
+from flexarm.arrays import Floats
 from flexarm.tables import Number, value_in
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
-    from flexarm.arrays import Floats
 
 
 class DeadChannel(ChannelEffect):

@@ -12,15 +12,13 @@ models do not know it, and steppers refuse it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.drive_effect import DriveEffect
+from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
 from flexarm.tables import Number, value_in
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
-    from flexarm.arm.effect import Effect
 
 
 class DriveLag(DriveEffect):

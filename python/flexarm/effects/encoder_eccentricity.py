@@ -9,18 +9,16 @@ by repeated substitution, as amplitude < 1.
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import Channels, SignalEffect
 from flexarm.arm.wave_effect import WaveEffect
+from flexarm.arrays import Floats
 from flexarm.tables import Number, value_in
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
-    from flexarm.arrays import Floats
 
 
 class EncoderEccentricity(WaveEffect, SignalEffect):

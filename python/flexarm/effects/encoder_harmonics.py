@@ -11,19 +11,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from math import pi
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import Channels, SignalEffect
 from flexarm.arm.wave_effect import WaveEffect
+from flexarm.arrays import Floats
 from flexarm.tables import Number, value_in
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
-    from flexarm.arrays import Floats
 
 
 class EncoderHarmonics(WaveEffect, SignalEffect):

@@ -8,18 +8,16 @@ reading is smoothed or weighed. (1) has no derivative; without rounding it is th
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.effect import Derivative
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import Channels, SignalEffect
+from flexarm.arrays import Floats
 from flexarm.tables import Number, value_in
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
-    from flexarm.arrays import Floats
 
 
 class EncoderQuantisation(SignalEffect):

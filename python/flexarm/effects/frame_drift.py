@@ -7,16 +7,12 @@ in the base's axes; t_0 is the start of the run.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
-from flexarm.arm.sensor_effect import FrameEffect, Vector
+from flexarm.arm.sensor_effect import ZERO, FrameEffect, Vector
 from flexarm.tables import Vector3, value_in
-
-NONE = (0.0, 0.0, 0.0)
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
 
 
 class FrameDrift(FrameEffect):
@@ -25,11 +21,11 @@ class FrameDrift(FrameEffect):
     name: ClassVar[str] = "frame_drift"
     in_motion = ("velocity",)
     varies_with = "time"
-    velocity: Vector3 = value_in("m/s", "velocity of what is measured while nothing moves", NONE)
+    velocity: Vector3 = value_in("m/s", "velocity of what is measured while nothing moves", ZERO)
 
     def moved(self) -> tuple[Vector, Vector, Vector]:
         """Eq. (1)."""
-        return NONE, NONE, self.velocity
+        return ZERO, ZERO, self.velocity
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Of a tripod that settles or warms."""

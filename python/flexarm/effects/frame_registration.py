@@ -7,16 +7,12 @@ R of a rotation vector, about the base's origin, in the base's axes; a stated po
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
-from flexarm.arm.sensor_effect import FrameEffect, Vector
+from flexarm.arm.sensor_effect import ZERO, FrameEffect, Vector
 from flexarm.tables import Vector3, value_in
-
-NONE = (0.0, 0.0, 0.0)
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
 
 
 class FrameRegistration(FrameEffect):
@@ -26,12 +22,12 @@ class FrameRegistration(FrameEffect):
     """
 
     name: ClassVar[str] = "frame_registration"
-    translation: Vector3 = value_in("m", "shift of what is measured", NONE)
-    rotation: Vector3 = value_in("rad", "turn of what is measured, about the base's origin", NONE)
+    translation: Vector3 = value_in("m", "shift of what is measured", ZERO)
+    rotation: Vector3 = value_in("rad", "turn of what is measured, about the base's origin", ZERO)
 
     def moved(self) -> tuple[Vector, Vector, Vector]:
         """Eq. (1)."""
-        return self.translation, self.rotation, NONE
+        return self.translation, self.rotation, ZERO
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Of a laser tracker whose frame is found from a few points of the base."""

@@ -7,16 +7,12 @@ for positions in the frame's own axes, from its own origin. Orientations stay as
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
-from flexarm.arm.sensor_effect import FrameEffect, Vector
+from flexarm.arm.sensor_effect import ZERO, FrameEffect, Vector
 from flexarm.tables import Number, value_in
-
-NONE = (0.0, 0.0, 0.0)
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
 
 
 class FrameScale(FrameEffect):
@@ -29,7 +25,7 @@ class FrameScale(FrameEffect):
 
     def moved(self) -> tuple[Vector, Vector, Vector]:
         """Return zeros: it neither shifts nor turns."""
-        return NONE, NONE, NONE
+        return ZERO, ZERO, ZERO
 
     def enlarged(self) -> float:
         """Eq. (1)."""

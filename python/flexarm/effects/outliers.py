@@ -17,20 +17,17 @@ Source: the contaminated normal distribution of [Tukey1960].
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.effect import Derivative
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import SignalEffect
+from flexarm.arrays import Floats
 from flexarm.tables import Number, value_in
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from flexarm.arm.arm import Arm
-    from flexarm.arrays import Floats
 
 
 class Outliers(SignalEffect):

@@ -8,18 +8,16 @@ At the limit (1) has different derivatives on both sides.
 from __future__ import annotations
 
 from math import inf
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.effect import Derivative
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ChannelEffect, Channels
+from flexarm.arrays import Floats
 from flexarm.tables import Number, value_in
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
-    from flexarm.arrays import Floats
 
 
 class Saturation(ChannelEffect):

@@ -5,19 +5,17 @@ r"""Offset of a sensor: a bridge that was not balanced, an IMU's bias, a probe t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import BeforeValidator
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ChannelEffect, Channels, Measured, Vector
+from flexarm.arrays import Floats
 from flexarm.quantities import channel_names
 from flexarm.tables import value_in
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
-    from flexarm.arrays import Floats
 
 
 def _number_or_three(value: Any) -> Any:

@@ -5,14 +5,12 @@ r"""A sign error: a channel counts the other way.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from flexarm.arm.sensor_effect import ChannelEffect, Channels
-
-if TYPE_CHECKING:
-    from flexarm.arrays import Floats
+from flexarm.arrays import Floats
 
 
 class SignError(ChannelEffect):

@@ -7,14 +7,12 @@ At a clock it delays all signals of the clock, and adds to a delay at one of the
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ClockEffect
 from flexarm.tables import Number, value_in
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
 
 
 class TimeDelay(ClockEffect):

@@ -7,16 +7,16 @@ with a finer mesh and shorter steps than the model will be.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.example.bracket import bracket
-from flexarm.example.motion import joined
+from flexarm.arrays import Floats, Ints
 from flexarm.output import write_file
+from flexarm.solids import Block, Patch, SolidMesh, revolved
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -25,10 +25,6 @@ if TYPE_CHECKING:
 
 GAP = 3e-4
 """The backlash that the machine has and the model lacks [rad]."""
-MODULUS = 1.006
-"""Young's modulus of the machine over the nominal one."""
-STEP = 5e-4
-"""Of the machine's simulation [s]."""
 LIGHT = 5.0
 """Payload mass in the record `fast` [kg]."""
 STOPS = {
@@ -69,9 +65,10 @@ def machine(arm: Arm) -> Arm:
     from flexarm.arm.link import Beam
     from flexarm.effects import Backlash
 
+    modulus = 1.006  # Young's modulus of the machine over the nominal one
     rod = arm.link("rod")
     assert isinstance(rod, Beam)
-    steel = rod.material.replace(youngs_modulus=MODULUS * rod.material.youngs_modulus)
+    steel = rod.material.replace(youngs_modulus=modulus * rod.material.youngs_modulus)
     real = arm.replace(
         name="virtual machine", links=(rod.replace(elements=8, material=steel),), uncertainty={}
     )
@@ -92,10 +89,11 @@ def virtual_record(
     from flexarm.record import Clock, Frame, Record
     from flexarm.simulation import simulate
 
+    step = 5e-4  # of the machine's simulation [s]
     payloads = _carried(mass)
     loaded = Record(signals={}, payloads=payloads).applied_to(machine)
     time, angle = joined(stops, seconds)
-    run = simulate(loaded, Drive.from_samples(time, {"hinge": angle}), step=STEP)
+    run = simulate(loaded, Drive.from_samples(time, {"hinge": angle}), step=step)
     seen = measure(
         run,
         machine.sensors,
@@ -122,3 +120,87 @@ def _swing() -> str:
     rows = [f"{t:.1f},{q:.6f}" for t, q in zip(time[::25], angle[::25], strict=True)]
     head = "# From upright to 1.2 rad: the motor's angle over the ratio [rad].\ntime_s,hinge\n"
     return head + "\n".join(rows) + "\n"
+
+
+def joined(stops: Sequence[float], seconds: float) -> tuple[Floats, Floats]:
+    """Return minimum-jerk moves from stop to stop [Flash1985].
+
+    Parameters
+    ----------
+    stops : sequence of float
+        Angles [rad], two or more.
+    seconds : float
+        From one stop to the next.
+
+    Returns
+    -------
+    time, angle : ndarray
+        Samples every 4 ms, the last stop included [s, rad].
+
+    Examples
+    --------
+    >>> time, angle = joined([0.0, 1.0], 2.0)
+    >>> float(angle[0]), round(float(angle[250]), 6), float(angle[-1])
+    (0.0, 0.5, 1.0)
+    """
+    interval = 4e-3  # between samples [s]
+    moves = len(stops) - 1
+    time = np.linspace(0.0, seconds * moves, round(seconds * moves / interval) + 1)
+    move = np.minimum((time / seconds).astype(int), moves - 1)
+    s = np.clip(time / seconds - move, 0.0, 1.0)
+    angle: Floats = np.take(stops, move) + np.diff(stops)[move] * s**3 * (10 - 15 * s + 6 * s**2)
+    return time, angle
+
+
+MILLIMETRE = 1e-3
+MATERIAL = """*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., 0.3
+*DENSITY
+7.85E-9
+*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL"""
+
+
+def bracket() -> str:
+    """Return the file's text: sets BORE (bearing seat) and FLANGE (face that carries), steel, N mm s t."""
+    size = MILLIMETRE
+    mesh = revolved(
+        [
+            Block("sleeve", 30 * size, 45 * size, 0.0, 60 * size),
+            Block("plate", 30 * size, 80 * size, 60 * size, 72 * size),
+        ],
+        patches=[
+            Patch("BORE", 30 * size, 30 * size, 0.0, 40 * size),
+            Patch("FLANGE", 60 * size, 80 * size, 72 * size, 72 * size),
+        ],
+        size=15 * size,
+    )
+    return "\n".join(["*HEADING", "collar, mm", *_nodes(mesh), *_cells(mesh), *_sets(mesh), MATERIAL, ""])
+
+
+def _nodes(mesh: SolidMesh) -> list[str]:
+    rows = [f"{i}, {x:.6g}, {y:.6g}, {z:.6g}" for i, (x, y, z) in enumerate(mesh.points / MILLIMETRE, 1)]
+    return ["*NODE", *rows]
+
+
+def _cells(mesh: SolidMesh) -> list[str]:
+    """Return hexahedra of 20 nodes, whose order in Abaqus is that of VTK."""
+    rows = []
+    for i, nodes in enumerate(mesh.cells["hex20"], 1):
+        rows.append(_listed(np.array([i, *(nodes[:15] + 1)], dtype=np.int32)) + ",")
+        rows.append(_listed(nodes[15:] + 1))
+    return ["*ELEMENT, TYPE=C3D20, ELSET=BODY", *rows]
+
+
+def _sets(mesh: SolidMesh) -> list[str]:
+    a_line = 16  # numbers a line of the file
+    rows = []
+    for name in ("BORE", "FLANGE"):
+        nodes = mesh.point_sets[name] + 1
+        rows.append(f"*NSET, NSET={name}")
+        rows += [_listed(nodes[k : k + a_line]) for k in range(0, len(nodes), a_line)]
+    return rows
+
+
+def _listed(numbers: Ints) -> str:
+    return ", ".join(str(number) for number in numbers)

@@ -40,10 +40,7 @@ def foreign_form(
     Unit "m" is m, kg, s, N, and "mm" is mm, t, s, N, MPa. `axes`, shape (n, 3, 3), are those of the points'
     freedoms, as columns; the part's own by default.
 
-    Raises
-    ------
-    InvalidParameter
-        If the unit is not known.
+    Raise InvalidParameter if the unit is not known.
     """
     length, _ = system(unit)
     n = element.n_interfaces

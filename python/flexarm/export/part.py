@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
 
+import numpy as np
+
 from flexarm.arguments import PATH, TEXT, Kind, takes
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
+from flexarm.export.foreign_form import ForeignForm, foreign_form
+from flexarm.output import write_file
 from flexarm.superelement import SuperElement
+from flexarm.superelement.foreign.labelled import SCALAR, Freedom
 
 NASTRAN = (".bdf", ".dat", ".nas")
 ENDINGS = (".mat", *NASTRAN, ".inp")
@@ -45,13 +53,146 @@ def export_part(element: SuperElement, out: str | Path, unit: str = "m") -> list
     if ending == ".mat":
         if unit != "m":
             raise InvalidFile(path, "unit", f"must be m for Simscape, got {unit!r}")
-        from flexarm.export.simscape import write_simscape
 
         return write_simscape(element, path)
     if ending in NASTRAN:
-        from flexarm.export.nastran import write_nastran
-
         return write_nastran(element, path, unit)
-    from flexarm.export.abaqus import write_abaqus
 
     return write_abaqus(element, path, unit)
+
+
+def write_simscape(element: SuperElement, path: Path) -> list[Path]:
+    """Write a MAT file (level 5) in SI units for the block Reduced Order Flexible Solid; return it.
+
+        origins      (n, 3)      interface frames' positions in the part's frame [m]
+        quaternions  (n, 4)      their orientations, scalar first
+        K, M, C      (dof, dof)  matrices [N/m, kg, N s/m and those of rotations]
+        interfaces, frequency_hz, name
+
+    The block takes, for each frame, translations then rotations along the reference frame's axes, and the
+    modes last: the order of a super-element. Source: MathWorks, Simscape Multibody, Reduced Order Flexible
+    Solid.
+    """
+    from scipy.io import savemat
+    from scipy.spatial.transform import Rotation
+
+    cells = np.empty((element.n_interfaces, 1), dtype=object)
+    cells[:, 0] = element.interfaces
+    image = BytesIO()
+    savemat(
+        image,
+        {
+            "name": element.name,
+            "interfaces": cells,
+            "origins": element.positions,
+            "quaternions": np.roll(Rotation.from_matrix(element.rotations).as_quat(), 1, axis=1),
+            "K": element.stiffness,
+            "M": element.mass,
+            "C": element.damping,
+            "frequency_hz": element.frequency_hz[:, None],
+        },
+    )
+    write_file(path, image.getbuffer())
+    return [path]
+
+
+_KEYWORDS = {"stiffness": "STIFFNESS", "mass": "MASS", "damping": "VISCOUS DAMPING"}
+
+
+def write_abaqus(element: SuperElement, path: Path, unit: str) -> list[Path]:
+    """Write an input deck with the points, and matrices as *MATRIX INPUT beside it; return the files.
+
+    `part.inp` names `part_stiffness.mtx`, `part_mass.mtx` and `part_damping.mtx`: row point, component,
+    column point, component, value of the lower triangle. Internal modes are freedom 1 of internal points,
+    whose numbers are negative. Freedoms stand along the part's axes. Source: Abaqus 2017, Keywords Reference,
+    *MATRIX INPUT, *MATRIX ASSEMBLE.
+    """
+    form = foreign_form(element, unit)
+    lines = ["*HEADING", f"{element.name}, reduced by flexarm, in {unit}"]
+    for i, (name, position) in enumerate(zip(element.interfaces, form.positions, strict=True), 1):
+        xyz = ", ".join(f"{x:.12g}" for x in position)
+        lines += [f"** interface {name}", f"*NODE, NSET=INTERFACE_{i}", f"{i}, {xyz}"]
+    files, assembled = [], []
+    for role, keyword in _KEYWORDS.items():
+        matrix = getattr(form, role)
+        if not matrix.any():
+            continue
+        file = path.with_name(f"{path.stem}_{role}.mtx")
+        write_file(file, "\n".join(_entries(matrix, form)) + "\n")
+        lines.append(f"*MATRIX INPUT, NAME={role.upper()}, INPUT={file.name}")
+        assembled.append(f"{keyword}={role.upper()}")
+        files.append(file)
+    lines.append(f"*MATRIX ASSEMBLE, {', '.join(assembled)}")
+    write_file(path, "\n".join(lines) + "\n")
+    return [path, *files]
+
+
+def _entries(matrix: Floats, form: ForeignForm) -> Iterator[str]:
+    for i, row in enumerate(form.freedoms):
+        for j, column in enumerate(form.freedoms[: i + 1]):
+            if matrix[i, j] != 0:
+                yield f"{_label(row)}, {_label(column)}, {matrix[i, j]:.14e}"
+
+
+def _label(freedom: Freedom) -> str:
+    return f"{-freedom.point}, 1" if freedom.component == SCALAR else f"{freedom.point}, {freedom.component}"
+
+
+def write_nastran(element: SuperElement, path: Path, unit: str) -> list[Path]:
+    """Write bulk data: GRID and SPOINT, and DMIG entries KAAX, MAAX and BAAX; return the file.
+
+    A run takes them by K2GG = KAAX, M2GG = MAAX and B2GG = BAAX in case control. The freedoms of a grid stand
+    along the axes of its interface, by a CORD2R entry where those are turned. Source: MSC Nastran Quick
+    Reference Guide, DMIG.
+    """
+    form = foreign_form(element, unit, element.rotations)
+    lines = [
+        f"$ {element.name}, reduced by flexarm, in {unit}",
+        "$ case control: K2GG = KAAX, M2GG = MAAX, B2GG = BAAX",
+        *_points(element, form),
+    ]
+    for name, matrix in (("KAAX", form.stiffness), ("MAAX", form.mass), ("BAAX", form.damping)):
+        if matrix.any():
+            lines += _dmig(name, matrix, form)
+    write_file(path, "\n".join(lines) + "\n")
+    return [path]
+
+
+def _points(element: SuperElement, form: ForeignForm) -> Iterator[str]:
+    for i, (name, position, axes) in enumerate(
+        zip(element.interfaces, form.positions, form.axes, strict=True), 1
+    ):
+        yield f"$ interface {name}"
+        system = 0 if np.array_equal(axes, np.eye(3)) else i
+        if system:
+            # Points A, B and C of a system: its origin, one on its z axis, one in its x-z plane
+            yield from _large("CORD2R", [i, 0, *np.zeros(3), *axes[:, 2], *axes[:, 0]])
+        yield from _large("GRID", [i, 0, *position, system])
+    for freedom in form.freedoms:
+        if freedom.component == SCALAR:
+            yield f"{'SPOINT':<8}{freedom.point:8d}"
+
+
+def _large(card: str, fields: list[float | int]) -> Iterator[str]:
+    """Yield a card of wide fields, four a line."""
+    for k in range(0, len(fields), 4):
+        start = f"{card + '*':<8}" if k == 0 else f"{'*':<8}"
+        yield start + "".join(_field(field) for field in fields[k : k + 4])
+
+
+def _field(value: float | int) -> str:
+    """Return a field of 16 characters: a whole number, or nine digits and an exponent."""
+    return f"{value:16d}" if isinstance(value, int) else f"{value:16.9E}"
+
+
+def _dmig(name: str, matrix: Floats, form: ForeignForm) -> Iterator[str]:
+    """Yield a symmetric real matrix of double precision, by the columns of its lower triangle."""
+    yield f"{'DMIG':<8}{name:<8}{0:8d}{6:8d}{2:8d}{0:8d}"
+    for j, column in enumerate(form.freedoms):
+        rows = [i for i in range(j, len(matrix)) if matrix[i, j] != 0]
+        if rows:
+            yield f"{'DMIG*':<8}{name:<16}{column.point:16d}{column.component:16d}"
+        for i in rows:
+            row = form.freedoms[i]
+            value = f"{matrix[i, j]:16.9E}".replace("E", "D")
+            yield f"{'*':<8}{row.point:16d}{row.component:16d}{value}"

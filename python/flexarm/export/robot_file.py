@@ -57,10 +57,7 @@ class RobotFile:
 def read_robot(path: Path, root: str) -> RobotFile:
     """Return an XML file, comments included.
 
-    Raises
-    ------
-    InvalidFile
-        If it is no XML file, or its root has another name.
+    Raise InvalidFile if it is no XML file, or its root has another name.
     """
     from xml.parsers.expat import ExpatError
 
@@ -146,10 +143,7 @@ def remove(parent: Element, child: Element) -> None:
 def write_robot(file: RobotFile, path: Path, inputs: list[Path]) -> None:
     """Write an XML file, which appears when it is whole and replaces no input.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be written.
+    Raise InvalidFile if it cannot be written.
     """
     text = file.text()
     if "\r\n" in file.before + "".join(tag for tag, _ in file.tags.values()) + file.after:
@@ -160,10 +154,7 @@ def write_robot(file: RobotFile, path: Path, inputs: list[Path]) -> None:
 def refuse_no_joint(path: Path, wanted: list[str], there: list[str], written: int) -> None:
     """Refuse a file that has none of the model's joints.
 
-    Raises
-    ------
-    InvalidFile
-        With the names of both.
+    Raise InvalidFile with the names of both.
     """
     if written == 0:
         names = ", ".join(there) or "none"

@@ -23,8 +23,6 @@ from flexarm.importing.source import LOG, Array, Group, Request, Samples, Source
 NAME_LISTS = ("name", "names", "joint_names")
 NAMED_BY = ("child_frame_id", "name", "id")
 _STEP = re.compile(r"([^.\[\]]+)|\[([^\]]+)\]")
-LOOKED_AT = 20
-"""Messages of a topic that show which fields it has."""
 
 Steps = tuple[tuple[str, bool], ...]
 """Words of a path, and True for those in brackets."""
@@ -147,11 +145,12 @@ class Bag(Source):
 
     def names(self, topic: str | None) -> list[str]:
         """Return the fields that the first messages of a topic hold."""
+        looked_at = 20  # messages of a topic that show which fields it has
         found: dict[str, None] = {}
         with self._open() as reader:
             connections = [each for each in reader.connections if each.topic == self._known(topic)]
             for count, (connection, _, raw) in enumerate(reader.messages(connections=connections)):
-                if count == LOOKED_AT:
+                if count == looked_at:
                     break
                 found |= dict.fromkeys(fields_of(reader.deserialize(raw, connection.msgtype)))
         return list(found)

@@ -23,8 +23,6 @@ from flexarm.importing.map_file import Dialect
 from flexarm.importing.source import Array, Group, Request, Source, Unreadable, needed
 from flexarm.units import FACTORS
 
-SAMPLE = 1 << 18
-"""Bytes that show how a file is written."""
 BLOCK = 1 << 24
 """Bytes that Arrow converts at once."""
 DROP_OUTS = ["", "nan", "NaN", "NAN", "null", "NULL", "NA", "N/A"]
@@ -68,13 +66,11 @@ class Layout:
 def layout(path: Path, dialect: Dialect) -> Layout:
     """Return how a file is written, seen from its first lines where the dialect leaves it open.
 
-    Raises
-    ------
-    InvalidFile
-        If it holds no rows of numbers that could be seen.
+    Raise InvalidFile if it holds no rows of numbers that could be seen.
     """
+    sample = 1 << 18  # bytes that show how a file is written
     with path.open("rb") as file:
-        raw = file.read(SAMPLE)
+        raw = file.read(sample)
         complete = not file.read(1)
     encoding = dialect.encoding or _encoding(raw)
     try:

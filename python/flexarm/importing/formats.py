@@ -31,10 +31,7 @@ READERS = {
 def reader_of(path: Path) -> type[Source]:
     """Return the class that reads a log.
 
-    Raises
-    ------
-    InvalidFile
-        If nothing is there, or it is no log.
+    Raise InvalidFile if nothing is there, or it is no log.
     """
     kind = log_kind(path)
     if kind is None:

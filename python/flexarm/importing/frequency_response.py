@@ -21,10 +21,7 @@ HZ = {"Hz": 1.0, "kHz": 1e3, "rad/s": 1 / (2 * pi)}
 def check_frequencies(column: Array, place: Callable[[int], str]) -> None:
     """Refuse frequencies that are negative or do not rise.
 
-    Raises
-    ------
-    Unreadable
-        With the place of the first one.
+    Raise Unreadable with the place of the first one.
     """
     found = as_numbers(column, place, "the column of frequencies", "frequency")
     wrong = np.flatnonzero(~(np.diff(found, prepend=-1e-300) > 0) | ~(found >= 0))
@@ -37,10 +34,7 @@ def check_frequencies(column: Array, place: Callable[[int], str]) -> None:
 def response_of(table: SignalMap, samples: Samples, signals: Sequence[SignalMap], clock: str) -> Signal:
     """Return a response in SI, output per input, or the input without values.
 
-    Raises
-    ------
-    Unreadable
-        If complex numbers stand where the map says none, or none where it says them.
+    Raise Unreadable if complex numbers stand where the map says none, or none where it says them.
     """
     where = {key: getattr(table, key) for key in ("joint", "point", "link", "payload", "side", "axes")}
     where |= {"position": table.position, "fibre": table.fibre, "frame": table.frame, "clock": clock}

@@ -319,10 +319,7 @@ class MapTable(RunTable):
 def read_map(file: Path) -> tuple[MapTable, dict[str, Any], str]:
     """Return a map, the tables of its file as they stand, and its text.
 
-    Raises
-    ------
-    InvalidFile
-        With the place and value of every problem.
+    Raise InvalidFile with the place and value of every problem.
     """
     data, text = read_toml(file, FORMAT)
     return check_table(MapTable, data, file, text), data, text

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexarm.importing.source import Array
 from flexarm.importing.tree import Tree
+from flexarm.reading import room
 
 
 class MatFile(Tree):
@@ -50,8 +51,6 @@ def _flat(value: Any, path: str) -> Iterator[tuple[str, Array]]:
 
 def _of_hdf5(path: Any) -> Iterator[tuple[str, Array]]:
     import h5py  # type: ignore[import-untyped]
-
-    from flexarm.reading import room
 
     with h5py.File(path, "r") as file:
         found: list[tuple[str, Array]] = []

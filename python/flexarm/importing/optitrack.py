@@ -14,16 +14,14 @@ from flexarm.importing.delimited_text import DelimitedText
 from flexarm.importing.map_file import Dialect
 from flexarm.importing.source import Request
 
-FURTHEST = 20
-"""Lines above the rows: Motive writes up to eight."""
-
 
 class OptiTrack(DelimitedText):
     """A CSV file of Motive."""
 
     def __init__(self, path: Path, dialect: Dialect, requests: Sequence[Request]) -> None:
+        furthest = 20  # lines above the rows: Motive writes up to eight
         with path.open(encoding="utf-8-sig", errors="replace") as file:
-            rows = list(csv.reader(line for line, _ in zip(file, range(FURTHEST), strict=False)))
+            rows = list(csv.reader(line for line, _ in zip(file, range(furthest), strict=False)))
         last = next((k for k, row in enumerate(rows) if row[:1] == ["Frame"]), None)
         kinds = next((k for k, row in enumerate(rows) if row[2:] and not any(row[:1])), None)
         if last is None or kinds is None or kinds + 1 >= last:

@@ -91,16 +91,9 @@ class Group:
 
 
 class Source(ABC):
-    """One log.
+    """One log: a file, or the directory of a bag.
 
-    Parameters
-    ----------
-    path : Path
-        The file, or the directory of a bag.
-    dialect : Dialect
-        How a text file is written.
-    requests : sequence of Request
-        All that will be asked for, so that a format can read it in one go.
+    `requests` are all that will be asked for, so that a format can read it in one go.
     """
 
     def __init__(self, path: Path, dialect: Dialect, requests: Sequence[Request]) -> None:
@@ -110,10 +103,7 @@ class Source(ABC):
     def names(self, topic: str | None) -> list[str]:
         """Return the columns of a topic.
 
-        Raises
-        ------
-        Unreadable
-            If there is no such topic.
+        Raise Unreadable if there is no such topic.
         """
 
     @abstractmethod
@@ -127,10 +117,7 @@ class Source(ABC):
     def log_time(self, topic: str | None, indices: Sequence[int]) -> tuple[Array, str]:
         """Return the file's own stamps of columns, and their unit.
 
-        Raises
-        ------
-        Unreadable
-            If the format has none.
+        Raise Unreadable if the format has none.
         """
         what = "has no time of its own; name a column of stamps, or say { rate_hz = } if there is none"
         raise Unreadable("time", what)
@@ -146,10 +133,7 @@ class Source(ABC):
     def read(self, request: Request) -> Samples:
         """Return the samples of a request.
 
-        Raises
-        ------
-        Unreadable
-            With the key of the map and what is wrong.
+        Raise Unreadable with the key of the map and what is wrong.
         """
         topic = request.topic
         found = [self.find(topic, column, "columns") for column in request.columns]
@@ -261,10 +245,7 @@ def as_numbers(array: Array, place: Callable[[int], str], what: str, key: str = 
 def needed(package: str, source: str | Path, extra: str = "import") -> Any:
     """Return a package that an extra installs.
 
-    Raises
-    ------
-    InvalidFile
-        With the pip command, if it is missing.
+    Raise InvalidFile with the pip command, if it is missing.
     """
     try:
         return import_module(package)

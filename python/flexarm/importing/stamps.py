@@ -50,10 +50,7 @@ class Stamps:
 def stamps_of(table: SignalMap, samples: Samples, place: Callable[[int], str]) -> Stamps:
     """Return the stamps of a signal; they must rise.
 
-    Raises
-    ------
-    Unreadable
-        With the place of what is wrong.
+    Raise Unreadable with the place of what is wrong.
     """
     if isinstance(table.time, Every):
         rows = np.arange(len(samples.values))

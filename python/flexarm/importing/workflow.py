@@ -33,9 +33,6 @@ from flexarm.tables import refuse
 if TYPE_CHECKING:
     from flexarm.tables.field import Path as Where
 
-MOST_NAMED = 5
-"""Values of a column that an error names."""
-
 
 @takes(path=PATH)
 def import_record(path: str | Path) -> Record:
@@ -118,22 +115,8 @@ class _Importer:
             for name, second in origin.items()
             if second
         ]
-        t = self.table
-        return Record(
-            signals={signal.name: signal for signal in signals},
-            drive=t.drive,
-            description=t.description,
-            kind=t.kind,
-            initial=t.initial,
-            joints=t.joints,
-            payloads=t.payloads,
-            controllers=t.controllers,
-            links=t.links,
-            clocks=clocks,
-            frames=t.frames,
-            base=t.base,
-            notes=tuple(notes),
-        )
+        by_name = {signal.name: signal for signal in signals}
+        return Record(**{**self.table.stated(), "signals": by_name, "clocks": clocks, "notes": tuple(notes)})
 
     @contextmanager
     def _blamed(self, index: int) -> Iterator[None]:
@@ -302,6 +285,7 @@ def _labels(signal: SignalMap, samples: Samples) -> tuple[Array, ...]:
 
 def _no_row(signal: SignalMap, samples: Samples) -> str:
     """Say that there is no row, and what the columns hold by which rows are chosen."""
+    most_named = 5  # values of a column that an error names
     if not signal.where or not len(samples.values):
         return "there is no row"
     found = []
@@ -311,8 +295,8 @@ def _no_row(signal: SignalMap, samples: Samples) -> str:
                 f"{str(v).strip()!r}" if isinstance(wanted, str) else f"{v}" for v in values.tolist()
             )
         )
-        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-        found.append(f"column {column!r} holds {', '.join(names[:MOST_NAMED])}{more}")
+        more = f" and {len(names) - most_named} more" if len(names) > most_named else ""
+        found.append(f"column {column!r} holds {', '.join(names[:most_named])}{more}")
     return f"there is no row with {signal.where}; {'; '.join(found)}"
 
 

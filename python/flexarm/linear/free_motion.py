@@ -80,10 +80,7 @@ class FreeMotion:
 def free_motion(arm: Arm, joints: Mapping[str, float], count: int) -> FreeMotion:
     """Return the free vibration of an arm with its drives held [rad, m; default 0], of `count` modes at most.
 
-    Raises
-    ------
-    NotConverged
-        If there is no stable equilibrium.
+    Raise NotConverged if there is no stable equilibrium.
     """
     refuse_closures(arm, "a free vibration")
     held = assemble(arm)

@@ -211,6 +211,7 @@ class LinearModel(Result):
 
     def summary(self) -> str:
         """Return the result in lines that a person reads."""
+        shown = 8  # poles of a summary
         lines = [f"linear model of {self.arm.name}: {len(self.A)} states"]
         at_rest = ", ".join(f"{n} {v:g}" for n, v in zip(self.joints, self.joint_values, strict=True))
         lines.append(f"about the equilibrium with drives at {at_rest}")
@@ -221,7 +222,7 @@ class LinearModel(Result):
             lines.append(f"{title:<24}{'unit':>8}{'at rest':>18}")
             lines += [f"{n:<24}{u:>8}{v:18.8g}" for n, u, v in zip(names, units, values, strict=True)]
         lines.append(f"{'pole [1/s]':<32}{'frequency [Hz]':>18}{'damping ratio [-]':>20}")
-        lines += [_told(pole) for pole in self.poles[: 2 * _SHOWN] if pole.imag >= 0][:_SHOWN]
+        lines += [_told(pole) for pole in self.poles[: 2 * shown] if pole.imag >= 0][:shown]
         return "\n".join(lines)
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -244,10 +245,6 @@ class LinearModel(Result):
             f"<LinearModel of {self.arm.name!r}: {len(self.A)} states, inputs "
             f"{', '.join(self.input_names)}, outputs {', '.join(self.output_names)}>"
         )
-
-
-_SHOWN = 8
-"""Poles of a summary."""
 
 
 def _position(names: tuple[str, ...], name: str, kind: str) -> int:

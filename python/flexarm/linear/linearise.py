@@ -98,10 +98,8 @@ def linearise(
 def _by_acceleration(response: Response, asked: list[Port], arm: Arm, sensors: list[Sensor]) -> list[int]:
     """Return inputs whose acceleration drives: those that ask for it, and angles without proper response.
 
-    Raises
-    ------
-    InvalidParameter
-        If an output follows the derivatives of an input that must not become its acceleration.
+    Raise InvalidParameter if an output follows the derivatives of an input that must not become its
+    acceleration.
     """
     improper = response.improper()
     names, _ = channel_names(arm, sensors)

@@ -85,10 +85,7 @@ class ModalForm:
 def modal_form(system: Mechanics, count: int | None = None) -> ModalForm:
     """Return the state equations, with the lowest `count` modes or all.
 
-    Raises
-    ------
-    InvalidParameter
-        If a coordinate has neither mass nor stiffness.
+    Raise InvalidParameter if a coordinate has neither mass nor stiffness.
     """
     heavy, massless = _split(system.M)
     damped, slack = _split(massless.T @ system.C @ massless, np.abs(system.C).max(initial=0.0))
@@ -153,10 +150,7 @@ def _modes(system: Mechanics) -> tuple[Floats, Floats]:
 def _flexibility(shapes: Floats, values: Floats, F: Floats) -> Floats:
     """Return (2).
 
-    Raises
-    ------
-    InvalidParameter
-        If a mode left out has no stiffness, so that a constant input moves it without end.
+    Raise InvalidParameter if a mode left out has no stiffness, so that a constant input moves it without end.
     """
     loose = np.abs(values) < NO_POLE**2
     if loose.any():

@@ -26,8 +26,6 @@ from flexarm.measurement.state_snapshots import StateSnapshots
 
 DISPLACEMENT = 1e-5
 """Of the node that moves most [m, rad]: the error, of second order, is 1e-10 of the derivative."""
-RATE = 1e-3
-"""As `DISPLACEMENT` for velocities and accelerations [1/s, 1/s2]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +46,10 @@ def derivatives(
     arm: Arm, system: _core.System, state: _core.State, tangent: Tangent, sensors: Sequence[Sensor]
 ) -> Derivatives:
     """Return readings and derivatives at an equilibrium; motors' torques are not part of the first three."""
+    rate = 1e-3  # as `DISPLACEMENT` for velocities and accelerations [1/s, 1/s2]
     S, still = tangent.motions, np.zeros(len(tangent.M))
     size = np.abs(S).max(axis=0, initial=1e-300)
-    displacements, rates = DISPLACEMENT / size, RATE / size
+    displacements, rates = DISPLACEMENT / size, rate / size
     pairs = [(sign, column) for sign in (1.0, -1.0) for column in range(S.shape[1])]
     moved = [
         _core.displaced(system, state, sign * displacements[k] * S[:, k], still, still) for sign, k in pairs

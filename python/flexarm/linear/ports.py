@@ -46,10 +46,7 @@ def ports(arm: Arm, asked: Asked | None) -> tuple[list[Port], set[str]]:
     `asked` has the kind of input at joints and points; joints left out are locked. Default: the drive of
     every moving joint, without outputs of gears.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no such joint, point or kind, or one is asked twice.
+    Raise InvalidParameter if there is no such joint, point or kind, or one is asked twice.
     """
     moving = {joint.name: joint.type == "prismatic" for joint in arm.moving_joints}
     geared = {gear.output for gear in arm.gears}
@@ -108,10 +105,7 @@ def outputs(arm: Arm, asked: Iterable[str | Sensor] | None) -> list[Sensor]:
     `asked` has sensors, or names of the model's sensors, of points (their position) and of joints (the link's
     angle). Default: the model's sensors; without sensors all joints that move, and all points.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no such name.
+    Raise InvalidParameter if there is no such name.
     """
     known = {point.name: _position(point.name) for point in arm.points}
     known |= {joint.name: _angle(joint.name) for joint in arm.moving_joints}

@@ -22,21 +22,13 @@ import numpy as np
 
 from flexarm.arrays import Floats
 
-ROUNDING = 1e-9
-"""Beside its summands, a factor of (3) below this is zero."""
-
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Equation (1).
+    """Equation (1): A (states, states), C (outputs, states), and factors of the inputs and two derivatives.
 
-    Attributes
-    ----------
-    A, C : ndarray, shapes (states, states) and (outputs, states)
-    B, D : ndarray, shapes (3, states, inputs) and (3, outputs, inputs)
-        Factors of the inputs and of their first two derivatives.
-    size : ndarray, shape (3, outputs, inputs)
-        Sum of the sizes of the summands of D.
+    B and D have the shapes (3, states, inputs) and (3, outputs, inputs); `size` is the sum of the sizes of
+    the summands of D.
     """
 
     A: Floats
@@ -47,10 +39,11 @@ class Response:
 
     def improper(self) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
         """Return True where (3) has derivatives of input k in output i: shape (outputs, inputs)."""
+        rounding = 1e-9  # beside its summands, a factor of (3) below this is zero
         first = self.D[1] + self.C @ self.B[2]
         size = self.size[1] + np.abs(self.C) @ np.abs(self.B[2])
-        second = np.abs(self.D[2]) > ROUNDING * self.size[2]
-        return np.asarray((np.abs(first) > ROUNDING * size) | second)
+        second = np.abs(self.D[2]) > rounding * self.size[2]
+        return np.asarray((np.abs(first) > rounding * size) | second)
 
     def by_acceleration(self, chosen: list[int]) -> Response:
         """Return (4): second derivatives of these inputs as inputs, values and rates as the last states."""

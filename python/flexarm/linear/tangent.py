@@ -30,8 +30,6 @@ from flexarm import _core
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 
-MOST_COORDINATES = 3000
-"""Beyond, dense matrices take minutes."""
 _RANK = 1e-10
 """Relative size below which a pivot of the constraints or a stiffness is zero."""
 
@@ -59,14 +57,12 @@ def tangent(system: _core.System, equilibrium: _core.Equilibrium, driven: Sequen
 
     `driven` are rows of the coordinates that are prescribed.
 
-    Raises
-    ------
-    InvalidParameter
-        If driven joints are not independent, or the arm is too large.
+    Raise InvalidParameter if driven joints are not independent, or the arm is too large.
     """
-    if system.n_unknowns > MOST_COORDINATES:
+    most_coordinates = 3000  # beyond, dense matrices take minutes
+    if system.n_unknowns > most_coordinates:
         raise InvalidParameter(
-            f"the arm has {system.n_unknowns} unknowns; a linear model is made of up to {MOST_COORDINATES}; "
+            f"the arm has {system.n_unknowns} unknowns; a linear model is made of up to {most_coordinates}; "
             "take fewer elements",
             where="links",
         )

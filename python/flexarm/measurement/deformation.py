@@ -20,8 +20,7 @@ from flexarm.arm.kinematics import chain_to, link_pose
 from flexarm.arm.names import link_of
 from flexarm.arrays import Floats
 from flexarm.assembly.as_built import as_built
-from flexarm.assembly.base import tilted
-from flexarm.assembly.machine import machine_of
+from flexarm.assembly.machine import machine_of, tilted
 from flexarm.measurement.sampling import CannotMeasure, Described, columns, sample, stored
 from flexarm.measurement.tracker import base_position
 
@@ -78,10 +77,7 @@ def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
 def rigid_reference(model: Any, what: Described) -> tuple[Any, Any, Any]:
     """Return the arm with its effects, the point whose deflection is measured, and the rotation of the base.
 
-    Raises
-    ------
-    CannotMeasure
-        If the frame of the undeformed link is not known from joint angles alone.
+    Raise CannotMeasure if the frame of the undeformed link is not known from joint angles alone.
     """
     machine = machine_of(model)
     arm = as_built(machine)

@@ -4,11 +4,11 @@ A motor at rest keeps its dry friction. One that follows its encoder's noise cre
 the width of the friction law, and loses its friction within a second. With y in units of the noise, n samples
 are a dwell if, about their mean and about their regression line of slope b,
 
-    sum (y_i - mean)^2 <= chi-square limit, n - 1 degrees of freedom,    |b| / sigma_b <= `DRIFT`     (1)
+    sum (y_i - mean)^2 <= chi-square limit, n - 1 degrees of freedom,    |b| / sigma_b <= `drift`     (1)
 
 Dwells grow from blocks of `BLOCK` samples while (1) holds, and at last by the k samples before and after that
-do not differ from their mean, |sum (y_i - mean)| <= `NEAR` sqrt(k), less a few in which a motion may have
-begun below the noise. Two of them between which the drive moves by less than `CREEP` sigma are not dwells:
+do not differ from their mean, |sum (y_i - mean)| <= `near` sqrt(k), less a few in which a motion may have
+begun below the noise. Two of them between which the drive moves by less than `creep` sigma are not dwells:
 an encoder of coarse steps shows a slow motion so.
 """
 
@@ -24,30 +24,17 @@ Dwell = tuple[int, int]
 
 BLOCK = 16
 """Samples."""
-FIRST_LOOK = 32
-"""Blocks of the first search; without influence on the result."""
-LEAST = 4
-"""Least blocks of a dwell; the top of a slow wave is shorter."""
-ALARM = 1e-6
-"""Probability that noise alone ends a dwell, eq. (1)."""
-DRIFT = 5.0
-"""Greatest slope in its sigmas, eq. (1)."""
-NEAR = 3.0
-"""Greatest sum of the samples at an end, in its sigmas."""
-SPARED = 8
-"""Samples at either end in which a motion may have begun below the noise."""
-CREEP = 20.0
-"""Least motion between two dwells, in sigmas of a sample."""
 
 
 def find_dwells(time: Floats, scaled: Floats) -> list[Dwell]:
     """Return the dwells in their order, of samples over their noise, shape (n,), at rising times."""
+    least = 4  # least blocks of a dwell; the top of a slow wave is shorter
     blocks = _Blocks(time, scaled)
     found: list[Dwell] = []
     begin = 0
-    while begin + LEAST <= blocks.count:
+    while begin + least <= blocks.count:
         end = blocks.grown(begin)
-        if end - begin >= LEAST:
+        if end - begin >= least:
             found.append(_extended((begin * BLOCK, end * BLOCK - 1), scaled))
         begin = max(end, begin + 1)
     return _without_slow_motion(found, scaled)
@@ -59,16 +46,18 @@ class _Blocks:
     def __init__(self, time: Floats, scaled: Floats) -> None:
         from scipy.special import chdtri
 
+        alarm = 1e-6  # probability that noise alone ends a dwell, eq. (1)
         self.count = len(time) // BLOCK
         n = self.count * BLOCK
         t, y = time[:n] - time[0], scaled[:n] - scaled[0]
         powers = np.stack([t, t * t, y, y * y, t * y]).reshape(5, self.count, BLOCK).sum(axis=2)
         self._sums = np.concatenate([np.zeros((5, 1)), np.cumsum(powers, axis=1)], axis=1)
-        self._limit = chdtri(BLOCK * np.arange(1.0, self.count + 1) - 1, ALARM)  # of 1, 2, ... blocks
+        self._limit = chdtri(BLOCK * np.arange(1.0, self.count + 1) - 1, alarm)  # of 1, 2, ... blocks
 
     def grown(self, begin: int) -> int:
         """Return the end of the longest dwell from one block on, which is a dwell at all its lengths."""
-        most = FIRST_LOOK  # most dwells are short: the searched length grows
+        first_look = 32  # blocks of the first search; without influence on the result
+        most = first_look  # most dwells are short: the searched length grows
         while True:
             ends = np.arange(begin + 1, min(begin + most, self.count) + 1)
             moves = self._moves(begin, ends)
@@ -80,37 +69,41 @@ class _Blocks:
 
     def _moves(self, begin: int, ends: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Return True at each end up to which the blocks are no dwell."""
+        drift = 5.0  # greatest slope in its sigmas, eq. (1)
         n = BLOCK * (ends - begin).astype(float)
         t, tt, y, yy, ty = self._sums[:, ends] - self._sums[:, [begin]]
         scatter = yy - y * y / n
         spread = np.maximum(tt - t * t / n, 1e-300)
         slope = (ty - t * y / n) / np.sqrt(spread)
-        found: NDArray[np.bool_] = (scatter > self._limit[: len(ends)]) | (np.abs(slope) > DRIFT)  # eq. (1)
+        found: NDArray[np.bool_] = (scatter > self._limit[: len(ends)]) | (np.abs(slope) > drift)  # eq. (1)
         return found
 
 
 def _extended(dwell: Dwell, scaled: Floats) -> Dwell:
-    """Extend a dwell into the blocks before and after, less `SPARED` samples at either end."""
+    """Extend a dwell into the blocks before and after, less `spared` samples at either end."""
+    spared = 8  # samples at either end in which a motion may have begun below the noise
+    near = 3.0  # greatest sum of the samples at an end, in its sigmas
     first, last = dwell
     level = np.mean(scaled[first : last + 1])
 
     def alike(samples: Floats) -> int:
         k = np.arange(1, len(samples) + 1)
-        far = np.abs(np.cumsum(samples - level)) > NEAR * np.sqrt(k)
+        far = np.abs(np.cumsum(samples - level)) > near * np.sqrt(k)
         return int(np.argmax(far)) if far.any() else len(samples)
 
     before = alike(scaled[max(first - BLOCK, 0) : first][::-1])
     after = alike(scaled[last + 1 : last + 1 + BLOCK])
     begin, end = first - before, last + after
-    return begin + SPARED * (begin > 0), end - SPARED * (end < len(scaled) - 1)
+    return begin + spared * (begin > 0), end - spared * (end < len(scaled) - 1)
 
 
 def _without_slow_motion(found: list[Dwell], scaled: Floats) -> list[Dwell]:
+    creep = 20.0  # least motion between two dwells, in sigmas of a sample
     level = [float(np.mean(scaled[first : last + 1])) for first, last in found]
     creeps = [False] * len(found)
     for k in range(len(found) - 1):
         between = scaled[found[k][1] + 1 : found[k + 1][0]]
         far = max(np.abs(between - level[k]).max(initial=0.0), abs(level[k + 1] - level[k]))
-        if far < CREEP:
+        if far < creep:
             creeps[k] = creeps[k + 1] = True
     return [dwell for dwell, creeping in zip(found, creeps, strict=True) if not creeping]

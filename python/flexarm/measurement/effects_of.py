@@ -33,9 +33,6 @@ from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import Registration
 from flexarm.quantities import channel_names
 
-SUBSTITUTIONS = 200
-"""Most repetitions of the inverse of (1); an eccentricity of half the scale takes 50."""
-
 
 class Placed(Measured, Protocol):
     """Attributes that sensors and signals have in common, with their clock and frame."""
@@ -90,15 +87,14 @@ class SensorEffects:
     def true(self, reading: Floats) -> Floats:
         """Return the true values of readings, eq. (1) solved by repeated substitution; NaN if lost.
 
-        Raises
-        ------
-        InvalidParameter
-            If it does not converge: an eccentricity then turns the reading back.
+        Raise InvalidParameter if it does not converge: an eccentricity then turns the reading back.
         """
+        # Most repetitions of the inverse of (1); an eccentricity of half the scale takes 50.
+        substitutions = 200
         if not self.before and not self.after:
             return reading
         found = self._undone(reading, reading)
-        for _ in range(SUBSTITUTIONS):
+        for _ in range(substitutions):
             last, found = found, self._undone(reading, found)
             size = np.max(np.abs(found), initial=1.0, where=np.isfinite(found))
             if np.max(np.abs(found - last), initial=0.0, where=np.isfinite(found)) <= 4e-16 * size:
@@ -148,10 +144,7 @@ class SensorEffects:
 def effects_of(arm: Any, what: Placed, clock: str | None = None) -> SensorEffects:
     """Return the effects of an arm that act on a signal or sensor, which names its clock, or `clock` does.
 
-    Raises
-    ------
-    InvalidParameter
-        If one of them cannot act there, such as an encoder's on a position.
+    Raise InvalidParameter if one of them cannot act there, such as an encoder's on a position.
     """
     channels = channel_names(what.quantity, what.axes)
     effects = () if arm is None else arm.effects

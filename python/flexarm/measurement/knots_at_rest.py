@@ -3,10 +3,10 @@
 A dwell has no breaks within, and close ones on either side, since a motion starts there at once. A dwell is
 kept if chi-square, there and `AROUND` it, does not separate the fit with it from the fit without:
 
-    chi2 - chi2_free < LIMIT + m + 5 sqrt(2 m),    m coefficients less                              (1)
+    chi2 - chi2_free < limit + m + 5 sqrt(2 m),    m coefficients less                              (1)
 
 Close breaks also follow the noise, and a motor that reverses by a few of its encoder's sigmas before it stops
-loses its dry friction. The coefficients from a dwell to the first one that is `NEAR` sigmas away are
+loses its dry friction. The coefficients from a dwell to the first one that is `near` sigmas away are
 therefore made monotone: neighbours that break monotonicity are made equal, until none are left. A real
 overshoot fails (1) and stays.
 """
@@ -23,14 +23,10 @@ from flexarm.arrays import Floats
 from flexarm.measurement.dwells import Dwell, find_dwells
 from flexarm.measurement.least_squares_spline import Indices, constant_in, fit_spline
 
-LIMIT = 25.0
-"""Of (1): 5 sigma of one degree of freedom."""
 AROUND = 64
 """Samples before and after a dwell that test it."""
 NEXT_TO = np.array([2, 4, 6, 8, 10, 12, 14, 16, 20, 24, 32])
 """Samples from the end of a dwell to the breaks next to it."""
-NEAR = 20.0
-"""Sigmas within which a motion does not reverse next to a dwell."""
 
 
 def place_knots_at_rest(time: Floats, scaled: Floats, breaks: Indices) -> tuple[Indices, frozenset[int]]:
@@ -52,7 +48,8 @@ def place_knots_at_rest(time: Floats, scaled: Floats, breaks: Indices) -> tuple[
 
 
 def _allowed(fewer: int) -> float:
-    return LIMIT + fewer + 5 * float(np.sqrt(2 * fewer))  # eq. (1)
+    limit = 25.0  # of (1): 5 sigma of one degree of freedom
+    return limit + fewer + 5 * float(np.sqrt(2 * fewer))  # eq. (1)
 
 
 class _Misfit:
@@ -95,10 +92,11 @@ def _monotone_next_to_dwells(
 
 
 def _outwards(coefficients: Floats, interval: int) -> Iterator[list[int]]:
-    """Yield the coefficients from a dwell outwards to the first that is `NEAR` away, before and after it."""
+    """Yield the coefficients from a dwell outwards to the first that is `near` away, before and after it."""
+    near = 20.0  # sigmas within which a motion does not reverse next to a dwell
     level = coefficients[interval]
     for outwards in (range(interval, -1, -1), range(interval + 3, len(coefficients))):
-        far = next((k for k in outwards if abs(coefficients[k] - level) > NEAR), None)
+        far = next((k for k in outwards if abs(coefficients[k] - level) > near), None)
         if far is not None:
             yield list(range(outwards[0], far + outwards.step, outwards.step))
 

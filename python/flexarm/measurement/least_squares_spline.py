@@ -12,6 +12,11 @@ zeros and ones, and fewer elements of d,
 
     E^T B^T B E d = E^T B^T y                                                                        (2)
 
+Jumps J c of the third derivative at inner breaks may have a penalty of weights w. Five B-splines meet there,
+so that the half band width is 4:
+
+    (B^T B + J^T diag(w) J) c = B^T y                                                                (3)
+
 Units: those of the samples. Source: [deBoor2001], chapters IX and XIV.
 """
 
@@ -34,7 +39,12 @@ DEGREE = 3
 
 
 def fit_spline(
-    time: Floats, values: Floats, breaks: Indices, at_rest: bool = False, equal: Collection[int] = ()
+    time: Floats,
+    values: Floats,
+    breaks: Indices,
+    at_rest: bool = False,
+    equal: Collection[int] = (),
+    penalty: Floats | None = None,
 ) -> tuple[BSpline, Floats]:
     """Return the least-squares cubic spline (1) whose breaks are samples.
 
@@ -49,6 +59,8 @@ def fit_spline(
         True for a slope of zero at the first break.
     equal : collection of int
         Coefficients, of 1 to m + 2, that are equal to the one before.
+    penalty : ndarray, shape (m - 1,), optional
+        Weights w of (3) at the inner breaks.
 
     Returns
     -------
@@ -67,6 +79,8 @@ def fit_spline(
     rows = design.data.reshape(-1, DEGREE + 1).T  # the four that are not zero at a sample
     first = design.indices[:: DEGREE + 1]
     band, right = _normal_equations(rows, np.searchsorted(first, np.arange(len(at) - 1)), values)
+    if penalty is not None:
+        band = _penalised(band, knots, penalty)  # eq. (3)
     unknown = _unknown(len(right), at_rest, equal)
     if unknown[-1] + 1 < len(right):
         band, right = _reduced(band, right, unknown)
@@ -92,9 +106,9 @@ def _unknown(count: int, at_rest: bool, equal: Collection[int]) -> Indices:
 def _reduced(band: Floats, right: Floats, unknown: Indices) -> tuple[Floats, Floats]:
     """Return both sides of (2); equal coefficients are adjacent, so that the band grows no wider."""
     count = int(unknown[-1]) + 1
-    fewer, less = np.zeros((DEGREE + 1, count)), np.zeros(count)
+    fewer, less = np.zeros((len(band), count)), np.zeros(count)
     np.add.at(less, unknown, right)
-    for below in range(DEGREE + 1):
+    for below in range(len(band)):
         column = np.arange(len(right) - below)
         row, lower = unknown[column + below], band[below, : len(column)]
         np.add.at(fewer, (row - unknown[column], unknown[column]), lower)
@@ -114,3 +128,28 @@ def _normal_equations(rows: Floats, interval_start: Indices, values: Floats) -> 
         for j in range(i, DEGREE + 1):
             band[j - i, i : i + intervals] += np.add.reduceat(rows[i] * rows[j], interval_start)
     return band, right
+
+
+def _penalised(band: Floats, knots: Floats, penalty: Floats) -> Floats:
+    """Return the left side of (3) as a lower band, one wider than that of (1)."""
+    jumps = _jumps(knots)
+    found = np.vstack([band, np.zeros(band.shape[1])])
+    for i in range(DEGREE + 2):
+        for j in range(i, DEGREE + 2):
+            found[j - i, i : i + len(penalty)] += penalty * jumps[i] * jumps[j]
+    return found
+
+
+def _jumps(knots: Floats) -> Floats:
+    """Return the jump of the third derivative at every inner break by five coefficients, shape (5, m - 1)."""
+    slopes = np.ones((1, len(knots) - DEGREE - 1))  # of derivative 0: its own coefficient
+    for order in range(1, DEGREE + 1):
+        width = knots[DEGREE + 1 : len(knots) - order] - knots[order : len(knots) - DEGREE - 1]
+        rise = np.zeros((order + 1, slopes.shape[1] - 1))
+        rise[1:] += slopes[:, 1:]
+        rise[:-1] -= slopes[:, :-1]
+        slopes = (DEGREE + 1 - order) * rise / width
+    found = np.zeros((DEGREE + 2, slopes.shape[1] - 1))
+    found[1:] += slopes[:, 1:]
+    found[:-1] -= slopes[:, :-1]
+    return found

@@ -35,8 +35,6 @@ NEIGHBOURS = 7
 NOISE, SPREAD, NEARBY = 100.0, 20.0, 6.0
 AROUND, MOST_OF_THEM = 6, 0.8
 """Rows on either side that are around one, and the share of them that is most."""
-RANGES = 2.0
-"""Ranges of the other rows beyond which one is an outlier where a quantity jumps by itself."""
 SMOOTH = ("position", "deflection", "joint_angle", "inclination", "orientation")
 """Quantities of which no machine jumps from one row to the next and back."""
 
@@ -58,9 +56,10 @@ def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
 
 def beyond_range_of_others(residual: Floats, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the rows further from the median of the others than twice the range of these."""
+    ranges = 2.0  # ranges of the other rows beyond which one is an outlier where a quantity jumps by itself
     middle = np.nanmedian(residual, axis=0)
     usual = np.nanmax(np.abs(residual[~rows] - middle), axis=0)
-    return np.asarray(np.any(np.abs(residual - middle) > 2 * RANGES * usual, axis=1))
+    return np.asarray(np.any(np.abs(residual - middle) > 2 * ranges * usual, axis=1))
 
 
 def nearby(size: Floats) -> Floats:
@@ -70,17 +69,14 @@ def nearby(size: Floats) -> Floats:
     return np.asarray(np.quantile(np.delete(windows, AROUND, axis=-1), MOST_OF_THEM, axis=-1))
 
 
-SHOWN = 5
-"""Rows that are told one by one."""
-
-
 def listed(rows: Sequence[int | str], what: str = "row") -> str:
     """Return numbers of rows, or names of poses, as text.
 
     >>> listed([4]), listed([1, 2, 3, 4, 5, 6])
     ('row 4', 'rows 1, 2, 3, 4, 5, ...')
     """
-    numbers = ", ".join(map(str, rows[:SHOWN])) + ", ..." * (len(rows) > SHOWN)
+    shown = 5  # rows that are told one by one
+    numbers = ", ".join(map(str, rows[:shown])) + ", ..." * (len(rows) > shown)
     return f"{what}{'s' * (len(rows) > 1)} {numbers}"
 
 

@@ -123,10 +123,7 @@ def _column(values: NDArray[Any], like: Floats) -> NDArray[Any]:
 def stored(simulation: Any, name: str, what: Described) -> Floats:
     """Return an array of the simulation.
 
-    Raises
-    ------
-    CannotMeasure
-        If the simulation does not hold it.
+    Raise CannotMeasure if the simulation does not hold it.
     """
     found = getattr(simulation, name, None)
     if found is None:

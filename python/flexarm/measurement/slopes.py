@@ -52,12 +52,8 @@ def predict_slopes(
     The shape is (n, channels, parameter), SI over the parameter's unit; NaN where the simulation has ended.
     Other arguments are as in `predict`.
 
-    Raises
-    ------
-    InvalidParameter
-        If the run has no derivatives.
-    CannotMeasure
-        If the simulation does not hold what the signal needs.
+    Raise InvalidParameter if the run has no derivatives, and CannotMeasure if the simulation does not hold
+    what the signal needs.
     """
     found = simulation.sensitivities
     if found is None:

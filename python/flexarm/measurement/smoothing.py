@@ -11,9 +11,9 @@ The spaces of (1) are nested, so s_p - s_{p+1} is a projection of the samples, a
 noise there, is chi-square distributed with as many degrees of freedom as breaks were added in the window.
 Windows of 2, 4, 8, ... intervals up to the whole record are tested from narrow to wide; intervals that a
 narrow one explains are left out of the wider. A narrow window finds the sharp start of a move, a wide one a
-weak oscillation that lasts. Wherever E is above its limit for the false-alarm probability `ALARM`, breaks of
-step p are set; neighbouring intervals differ by about a factor of two. One last fit with all breaks gives f,
-which is constant in dwells of the samples (`knots_at_rest`).
+weak oscillation that lasts. Wherever E is above its limit for the false-alarm probability `alarm`, breaks of
+step p are set; neighbouring intervals differ by about a factor of two. One last fit, as wide as these breaks
+but without their own wave (`penalised_spline`), gives f, which is constant in dwells (`knots_at_rest`).
 
 No property of the arm enters, and noise passes only while the motion itself is as quick as the arm's modes.
 Drives are held before their first sample: the fit starts at rest unless the samples contradict that.
@@ -33,14 +33,11 @@ from flexarm import _core
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.knots_at_rest import place_knots_at_rest
 from flexarm.measurement.least_squares_spline import fit_spline
+from flexarm.measurement.penalised_spline import with_penalty
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-ALARM = 1e-6
-"""Probability that noise alone sets breaks in a window (2)."""
-REST_LIMIT = 25.0
-"""Increase of chi-square, one degree of freedom, above which a drive does not start at rest: 5 sigma."""
 COARSEST = 8
 """Intervals of the coarsest spline, about."""
 
@@ -97,7 +94,9 @@ def smooth(
     layout = _layout(stamps.tobytes(), reading.tobytes(), float(noise_std))
     if layout is None:
         return interpolate(t, y)
-    return _pieces(fit_spline(t, y, *layout)[0])
+    breaks, at_rest, equal = layout
+    breaks, equal, penalty = with_penalty(t, breaks, equal)
+    return _pieces(fit_spline(t, y, breaks, at_rest, equal, penalty)[0])
 
 
 @lru_cache(maxsize=16)
@@ -170,6 +169,7 @@ def _above_noise(energy: NDArray[np.float64], freedom: float) -> NDArray[np.bool
     """Return the intervals in a window whose energy (2) noise does not explain; `freedom` per interval."""
     from scipy.special import chdtri  # chi2.isf is this; all of scipy.stats takes half a second to import
 
+    alarm = 1e-6  # probability that noise alone sets breaks in a window (2)
     found = np.zeros(len(energy), dtype=bool)
     window = 1
     while window < len(energy) and not found.all():
@@ -179,7 +179,7 @@ def _above_noise(energy: NDArray[np.float64], freedom: float) -> NDArray[np.bool
         members = _window_sums(open_.astype(np.intp), window)
         counts = np.unique(members[members > 0])
         limit = np.full(window + 1, np.inf)
-        limit[counts] = chdtri(counts * freedom, ALARM)
+        limit[counts] = chdtri(counts * freedom, alarm)
         found |= _cover(np.flatnonzero(total > limit[members]), window, len(energy))
     return found
 
@@ -223,9 +223,11 @@ def _starts_at_rest(
     noise_std: float,
 ) -> bool:
     """Return True if chi-square does not separate the fit that starts at rest from the free one."""
+    # Increase of chi-square, one degree of freedom, above which a drive does not start at rest: 5 sigma.
+    rest_limit = 25.0
     at_rest, fitted = (fit_spline(t, y, breaks, resting, equal)[1] for resting in (True, False))
     increase = (np.sum((y - at_rest) ** 2) - np.sum((y - fitted) ** 2)) / noise_std**2
-    return bool(increase < REST_LIMIT)
+    return bool(increase < rest_limit)
 
 
 def _pieces(spline: BSpline) -> Pieces:

@@ -20,22 +20,10 @@ from flexarm.measurement.predict import read
 
 @dataclass(frozen=True, eq=False)
 class StateSnapshots:
-    """Arrays that measurements take from a `Simulation`; the first axis is the state.
+    """Arrays that measurements take from a `Simulation`; the first axis is the state, 0, 1, 2, ... in `time`.
 
-    Attributes
-    ----------
-    arm : Arm
-        The model.
-    time : ndarray, shape (n,)
-        Numbers of the states: 0, 1, 2, ...
-    position, velocity, angular_rate, acceleration : ndarray, shape (n, point, 3)
-        Of the points: base axes [m], [m/s]; body axes: rate [rad/s] and specific force [m/s2].
-    orientation : ndarray, shape (n, point, 4)
-        Quaternion x, y, z, w.
-    joint_angle, joint_rate, drive_angle, drive_rate, motor_torque : ndarray, shape (n, joint)
-        As in `Simulation`.
-    section_forces : ndarray, shape (n, link, 2, 6)
-        As in `Simulation`.
+    Points have position and velocity in base axes [m], [m/s], and in body axes rate [rad/s] and specific
+    force [m/s2], (n, point, 3), and a quaternion x, y, z, w, (n, point, 4). Others are as in `Simulation`.
     """
 
     arm: Arm

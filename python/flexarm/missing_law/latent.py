@@ -23,6 +23,7 @@ from scipy.linalg import block_diag
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.diagnosis.candidate import with_members
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import Problem
 from flexarm.drive.doubts import slides
@@ -83,8 +84,6 @@ def nuisance_projection(problem: Problem, fit: Fit) -> Projection:
 
 def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[Latent]:
     """Yield the latent motion of each place: driven joints, axes of the base, sensors."""
-    from flexarm.diagnosis.candidate import with_members
-
     arm = with_members(fit.nuisance.arm, fit.members)
     for joint in _likely_joints(problem, fit, arm, policy):
         try:

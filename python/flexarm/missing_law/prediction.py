@@ -20,6 +20,7 @@ from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.simulation_cache import SimulationCache
 from flexarm.law_curve import LawGap
+from flexarm.missing_law.basis import TimeBasis
 from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.law import Law
 from flexarm.missing_law.policy import LawPolicy
@@ -75,8 +76,6 @@ def _runs(
     latent: Latent, law: Law, runs: SimulationCache, name: str, number: int, policy: LawPolicy
 ) -> tuple[Any, Any]:
     """Return the runs of a record without and with a law."""
-    from flexarm.missing_law.basis import TimeBasis
-
     assert latent.response is not None
     arm, joint = latent.response.arm, latent.at
     plain = run = runs.beside(name, arm).simulation

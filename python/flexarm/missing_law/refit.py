@@ -65,10 +65,8 @@ class FittedLaw:
 def fitted_law(estimator: Estimator, fit: Fit, law: TabulatedLaw, policy: LawPolicy) -> FittedLaw:
     """Return a law whose values are fitted from a first guess, beside the effects of a fit without it.
 
-    Raises
-    ------
-    InvalidParameter, NotConverged, LinAlgError
-        If the model with the first guess cannot be simulated.
+    Raise InvalidParameter or NotConverged or LinAlgError if the model with the first guess cannot be
+    simulated.
     """
     start = estimator.moved_to(dict.fromkeys(estimator.nuisance.keys, 0.0))
     here = _Linearised.about(start, (*fit.members, _member(law)), policy)

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.budget import allows
+from flexarm.comparison.free_vibration import rings_freely
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
@@ -131,8 +132,6 @@ def _as_foretold(told: _Told) -> _Told:
 
 def not_inferred(problem: Problem, arm: Arm) -> str:
     """Return why nothing is inferred from records; empty if something is."""
-    from flexarm.comparison.free_vibration import rings_freely
-
     for name, record in problem.records.items():
         if record.kind == "motion" and rings_freely(record):
             return f"no missing law was sought: {name} is a free vibration, which no motor's angle drives"

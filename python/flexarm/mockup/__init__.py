@@ -10,8 +10,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from flexarm.mockup.arms import PARAMETER_SETS, mock_up, model
 from flexarm.mockup.experiment import Experiment, virtual_measurement
-from flexarm.mockup.models import PARAMETER_SETS, mock_up, model
 
 if TYPE_CHECKING:
     from flexarm.mockup.arms import bench_arm as bench_arm

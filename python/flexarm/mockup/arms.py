@@ -8,10 +8,15 @@ motor's shaft, which turns in the housing. `bench_arm` has the reducer as a spri
 with the torsional stiffness of the reduced part, so that friction of the bearing can act between housing and
 hub, in parallel with the reducer. (A tree of links has no place for a bearing beside a solid reducer: it
 would close a loop.) There the cross-roller ring carries everything but the torque.
+
+The models that ship with flexarm: Table 1 of the paper prints a section area of 5.92e-5 m2 beside a wall of
+3.25e-3 m and I = 2.37e-7 m4, which give an outside diameter of 60.24 mm and an area of 5.82e-4 m2. Both are
+there by name.
 """
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +24,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.link import Beam
 from flexarm.effects import JointCompliance
-from flexarm.mockup.models import model
+from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
     from flexarm.mockup.hinge import SolidHinge
@@ -175,3 +180,30 @@ def _rigid_bodies(hinge: SolidHinge) -> list[Tables]:
 def _reducer_mass(hinge: SolidHinge) -> Tables:
     mass = hinge.parts["reducer"].mass_total
     return {"name": "reducer", "link": "housing:seat", "position": [0.0, 0.0, 0.0], "mass": mass}
+
+
+FOLDER = Path(__file__).parent
+PARAMETER_SETS = {"consistent": "model.toml", "printed": "model-printed-area.toml"}
+"""Parameter sets of Table 1, files in `FOLDER`: the area that wall and I give (default), and as printed."""
+
+
+def model(parameters: str = "consistent") -> Arm:
+    """Return the model that is compared with the mock-up.
+
+    Parameters
+    ----------
+    parameters : {"consistent", "printed"}
+        Section area 5.82e-4 m2 (rod 13.7 kg) or, as printed, 5.92e-5 m2 (rod 1.4 kg).
+
+    Examples
+    --------
+    >>> flexarm.mockup.model().link("tube").section  # doctest: +SKIP
+    """
+    if parameters not in PARAMETER_SETS:
+        raise InvalidParameter(f"must be one of {', '.join(PARAMETER_SETS)}, got {parameters!r}")
+    return Arm.from_toml(FOLDER / PARAMETER_SETS[parameters])
+
+
+def mock_up() -> Arm:
+    """Return the model behind the virtual measurement, with its controller."""
+    return Arm.from_toml(FOLDER / "mockup.toml")

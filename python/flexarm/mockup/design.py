@@ -121,10 +121,7 @@ class HingeDesign(Table):
     def from_toml(cls, path: str | Path | None = None) -> Self:
         """Read the design from a file; without one, the hinge that ships with flexarm.
 
-        Raises
-        ------
-        InvalidFile
-            With the place and value of every problem.
+        Raise InvalidFile with the place and value of every problem.
         """
         file = Path(__file__).with_name("hinge.toml") if path is None else Path(path)
         data, text = read_toml(file, FORMAT)

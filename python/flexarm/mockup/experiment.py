@@ -23,14 +23,9 @@ from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import Registration
 from flexarm.measurement.measure import measure
-from flexarm.mockup.models import mock_up
+from flexarm.mockup.arms import mock_up
 from flexarm.record import Clock, Frame, Record
 from flexarm.simulation import Progress, Simulation, simulate
-
-CLOCK_SIGMA = 5e-4
-"""1 sigma of the tracker's clock against the controller's [s]."""
-FRAME_SIGMA = (1e-4, 3e-5)
-"""1 sigma of the tracker's registration: translation [m], rotation [rad]."""
 
 
 @dataclass(frozen=True)
@@ -116,18 +111,20 @@ def virtual_measurement(
     truth : Simulation
         The motion itself, which no sensor knows.
     """
+    frame_sigma = (1e-4, 3e-5)  # 1 sigma of the tracker's registration: translation [m], rotation [rad]
+    clock_sigma = 5e-4  # 1 sigma of the tracker's clock against the controller's [s]
     asked, bench = experiment or Experiment(), arm or mock_up()
     truth = simulate(bench, asked.command(), step=step, end=asked.end, progress=progress)
     rng = np.random.default_rng(seed)
-    translation, rotation = FRAME_SIGMA
+    translation, rotation = frame_sigma
     record = measure(
         truth,
         bench.sensors,
         rng,
         drive=("encoder",),
-        clocks={"controller": Clock(), "tracker": Clock(sigma=CLOCK_SIGMA)},
+        clocks={"controller": Clock(), "tracker": Clock(sigma=clock_sigma)},
         frames={"tracker": Frame(translation=translation, rotation=rotation)},
-        clock_errors={"tracker": ClockError(delay=CLOCK_SIGMA * rng.standard_normal())},
+        clock_errors={"tracker": ClockError(delay=clock_sigma * rng.standard_normal())},
         registrations={
             "tracker": Registration(translation * rng.standard_normal(3), rotation * rng.standard_normal(3))
         },

@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import atan2
 from pathlib import Path
 from time import perf_counter
 
+from flexarm.arm import Arm
 from flexarm.errors import InvalidParameter
+from flexarm.mockup.arms import hinge_tables
 from flexarm.mockup.design import PARTS, HingeDesign
 from flexarm.mockup.meshes import MESHERS
 from flexarm.reduction import InterfaceSet, reduce_mesh
 from flexarm.solids import SolidMesh
+from flexarm.statics import static
 from flexarm.superelement import SuperElement
 
 Progress = Callable[[str], None]
@@ -41,10 +45,7 @@ class SolidHinge:
 
         Damping goes with the stiffness; a factor of a thousandth makes a part as good as rigid.
 
-        Raises
-        ------
-        InvalidParameter
-            If there is no such part, or a factor is not positive.
+        Raise InvalidParameter if there is no such part, or a factor is not positive.
         """
         for name, factor in factors.items():
             if name not in self.parts:
@@ -65,8 +66,6 @@ class SolidHinge:
 
         A torque on the tube's seat over the turn of that seat relative to the base, in equilibrium.
         """
-        from flexarm.mockup.stiffness import torsional_stiffness
-
         return torsional_stiffness(self)
 
 
@@ -137,3 +136,34 @@ def _scaled(part: SuperElement, factor: float) -> SuperElement:
         damping=factor * part.damping,
         frequency_hz=factor**0.5 * part.frequency_hz,
     )
+
+
+def torsional_stiffness(hinge: SolidHinge) -> float:
+    """Return the equivalent torsional stiffness of the solid hinge [N m/rad].
+
+        k = T/beta                                                                                       (1)
+
+    T: torque about the hinge axis on the seat of the tube, as two opposite forces, without gravity. beta:
+    turn of that seat relative to the base about the same axis, the motor's shaft held. It is the stiffness
+    that a spring between a rigid housing and a rigid hub would need.
+    """
+    half_arm = 0.1  # the two forces act at this distance to both sides of the seat [m]
+    torque = 100.0  # T of (1) [N m]; small enough for a linear answer
+    tables = hinge_tables(hinge)
+    seats = {"ahead": half_arm, "behind": -half_arm}
+    arm = Arm.from_dict(
+        {
+            "format": "flexarm-arm/1",
+            "name": "hinge",
+            "gravity": [0.0, 0.0, 0.0],
+            **tables,
+            "points": [
+                {"name": name, "link": "hub:output", "position": [x, 0.0, 0.0]} for name, x in seats.items()
+            ],
+        }
+    )
+    force = torque / (2 * half_arm)
+    # About +y a torque turns z towards x: down ahead (x > 0), up behind.
+    found = static(arm, forces={"ahead": [0, 0, -force], "behind": [0, 0, force]})
+    axes = found.rotation[0]
+    return torque / atan2(axes[0, 2], axes[2, 2])  # eq. (1)

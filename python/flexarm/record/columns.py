@@ -27,19 +27,9 @@ _BLOCK = 1 << 20
 
 
 class CsvFile:
-    """A CSV file whose columns are read on demand.
+    """A CSV file whose columns are read on demand; messages call it `named`.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    named : str or Path, optional
-        The file as messages name it.
-
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, has no header or no rows.
+    Raise InvalidFile if it cannot be read, has no header or no rows.
     """
 
     def __init__(self, path: Path, named: str | Path | None = None) -> None:
@@ -111,10 +101,7 @@ class CsvFile:
     def numbers(self, columns: Sequence[str]) -> Floats:
         """Return columns as an array of shape (rows, columns), drop-outs as NaN.
 
-        Raises
-        ------
-        InvalidFile
-            With line and column of the first cell that is neither a number nor a drop-out.
+        Raise InvalidFile with line and column of the first cell that is neither a number nor a drop-out.
         """
         where = [self.header.index(column) for column in columns]
         values = self._fast(where)
@@ -141,10 +128,7 @@ class CsvFile:
     def _lines(self, block: str) -> list[str]:
         """Return the rows of a block of lines, `nan` in empty cells.
 
-        Raises
-        ------
-        ValueError
-            If a row is not as long as the header, as far as its commas tell.
+        Raise ValueError if a row is not as long as the header, as far as its commas tell.
         """
         commas = len(self.header) - 1
         block = block.removesuffix("\n")

@@ -9,11 +9,12 @@ import numpy as np
 
 from flexarm.arm.consistency import missing
 from flexarm.arm.effect import read_effect
-from flexarm.arm.gears import coupled_joints
+from flexarm.arm.joint import coupled_joints
+from flexarm.arm.link import Beam
+from flexarm.arm.rotation import scaled
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.drive_span import range_at_rest
 from flexarm.record.frame_plausibility import frame_problems
-from flexarm.record.link_length import with_link_lengths
 from flexarm.record.payload_plausibility import payload_problems
 from flexarm.record.plausibility import is_remote
 from flexarm.record.time_unit import implausible_rates
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from flexarm.arm.effect import Effect
     from flexarm.record.record import Record
     from flexarm.record.signal import Signal
+    from flexarm.record.table import DrawnLink
 
 
 def unknown_names(record: Record, arm: Arm) -> list[Problem]:
@@ -208,3 +210,32 @@ def _angles(record: Record, arm: Arm) -> Iterable[Problem]:
                 f"is {signal.unit}, but joint {signal.joint!r} is "
                 f"{arm.joint(signal.joint).type} and needs a unit like {wanted}",
             )
+
+
+def with_link_lengths(arm: Arm, links: Mapping[str, DrawnLink]) -> Arm:
+    """Return the arm with links of the lengths L that a record states for those of the model, L_0.
+
+        error <- error + L - L_0,    u <- u (L/L_0)^2                                                    (1)
+
+    The effect `link_length` of that error carries the change: section and material stay, payloads and points
+    keep their fraction of the length, joints with `at = "end"` follow. The tip offset u of a bow belongs to
+    the model's length; its curvature 2 u/L^2 is the boom's own and stays. Derivatives by u are those by the
+    offset of the boom as it was drawn out; those by all other parameters mean the model's.
+
+    Raise InvalidParameter if there is no such link, or it is no beam.
+    """
+    known = {link.name: link for link in arm.links}
+    for name, drawn in links.items():
+        if name not in known:
+            raise InvalidParameter(missing("link", name, known), where=f"links.{name}")
+        link = known[name]
+        if not isinstance(link, Beam):
+            what = f"must be a beam to have a length, {name!r} is a {link.type} link"
+            raise InvalidParameter(what, where=f"links.{name}.length")
+        own, bow = arm.effect("link_length", name), arm.effect("link_bow", name)
+        error = float(getattr(own, "error", 0.0)) + drawn.length - link.length
+        arm = arm.with_effect(read_effect({"name": "link_length", "at": name, "error": error}))
+        if bow is not None:
+            tip_offset = scaled((drawn.length / link.length) ** 2, bow.tip_offset)  # type: ignore[attr-defined]
+            arm = arm.with_effect(bow.replace(tip_offset=tip_offset))  # eq. (1)
+    return arm

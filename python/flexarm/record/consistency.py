@@ -106,10 +106,7 @@ INPUTS = ("force", "motor_torque", "joint_angle")
 def response_unit(table: Any, to: Any) -> tuple[str, float]:
     """Return the SI unit of a frequency response and the factor to it, from the tables of both signals.
 
-    Raises
-    ------
-    InvalidParameter
-        If its unit is not one of output per input.
+    Raise InvalidParameter if its unit is not one of output per input.
     """
     (above, below), factor = ratio_factor(table.unit, table.spec.units, to.spec.units)
     return f"{above}/({below})" if " " in below or "/" in below else f"{above}/{below}", factor

@@ -6,10 +6,10 @@ drive be unknown from a to b: before it begins, in a pause, or after it ends. An
     a moving end    samples next to a and b move by more than `range_at_rest`, and another signal is
                     seen; a pause is none in whose middle the cubics on either side meet within that  (1)
     a moving arm    samples next to a and b stand still, but a position, an angle or an orientation
-                    moves between a and b by more than `STILL` of its whole range                     (2)
+                    moves between a and b by more than `still` of its whole range                     (2)
 
 A drive that is at rest at its end is thus held, as the arm stands, or rings down. An end may differ by
-`LATE`, `PAUSE` samples and three sigma of the clocks: a clock that is late is found by a diagnosis. Of a
+`late`, `PAUSE` samples and three sigma of the clocks: a clock that is late is found by a diagnosis. Of a
 signal whose clock is unknown only durations count: it may not move for longer than the drive lasts.     (3)
 A command holds until the next one, so that it has no pause.
 """
@@ -30,16 +30,10 @@ if TYPE_CHECKING:
     from flexarm.record.record import Record
     from flexarm.record.signal import Signal
 
-MOVED = 1e-3
-"""Motion of an angle that is no rest [rad or m]."""
 NOISY, ONE_STEP = 12.0, 1.5
 """Its range at rest, in sigmas of a million samples and with a margin; and, if it is coarse, in steps."""
 PAUSE = 20
 """Usual intervals of a drive that are no pause yet, and samples that tell whether it stands."""
-LATE = 0.25
-"""Unstated delay of a clock that a diagnosis finds by itself [s]."""
-STILL = 0.1
-"""Part of its range by which what is not driven may still move: it rings down."""
 PLACES = ("position", "orientation", "inclination", "joint_angle", "deflection")
 """Quantities that stand still with the arm."""
 
@@ -48,9 +42,10 @@ ALLOWED = "a drive must cover the motion of the other signals: complete it, or l
 
 def range_at_rest(signal: Signal) -> float:
     """Return the range over which an angle's readings tell of no motion [rad or m]."""
+    moved = 1e-3  # motion of an angle that is no rest [rad or m]
     steps = np.diff(np.unique(signal.values[signal.valid, 0]))
     coarse = ONE_STEP * float(np.min(steps)) if len(steps) else 0.0
-    return max(MOVED, NOISY * (signal.noise_std or 0.0), coarse)
+    return max(moved, NOISY * (signal.noise_std or 0.0), coarse)
 
 
 def uncovered(record: Record, signals: Iterable[Signal]) -> list[Problem]:
@@ -136,6 +131,8 @@ class _Beside(NamedTuple):
 
 def _beside(record: Record, drive: Signal, other: Signal) -> _Beside:
     """Return another signal beside a drive."""
+    still = 0.1  # part of its range by which what is not driven may still move: it rings down
+    late = 0.25  # unstated delay of a clock that a diagnosis finds by itself [s]
     clocks = [record.clocks[signal.clock] for signal in (drive, other)]
     unrelated = drive.clock != other.clock and any(clock.unknown for clock in clocks)
     own, its = (0.0 if clock.unknown else clock.offset for clock in clocks)
@@ -143,13 +140,13 @@ def _beside(record: Record, drive: Signal, other: Signal) -> _Beside:
     sample = 1 / other.rate_hz if len(other.time) > 1 else 0.0
     values, far = other.values[other.valid], np.inf
     if other.quantity in PLACES:
-        far = max(STILL * float(np.max(np.ptp(values, axis=0))), NOISY * (other.noise_std or 0.0))
+        far = max(still * float(np.max(np.ptp(values, axis=0))), NOISY * (other.noise_std or 0.0))
     return _Beside(
         other.name,
         other.time[other.valid] - its + own,
         values,
         far,
-        max(LATE, PAUSE / drive.rate_hz, sample) + 3 * sigma,
+        max(late, PAUSE / drive.rate_hz, sample) + 3 * sigma,
         unrelated,
     )
 

@@ -114,6 +114,10 @@ class RunTable(Table):
     frames: Frames = FrozenDict()
     base: BaseStand | None = None
 
+    def stated(self) -> dict[str, Any]:
+        """Return what a record takes of its run as it is stated."""
+        return {name: getattr(self, name) for name in RunTable.model_fields}
+
 
 class RecordTable(RunTable):
     """The whole of `record.toml`."""

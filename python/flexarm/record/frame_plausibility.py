@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from flexarm.record.signal import Signal
     from flexarm.record.table import Frame
 
-BEYOND, SURE = 3.0, 5.0
-"""Of (1): parts of the reach, which is an upper bound, and sigmas of the registration on top."""
 LOOSE, TURNED = 0.2, 0.2
 """Of (2): part of the reach, and angle [rad]."""
 UNKNOWN = 'a frame of which nothing is known is "unknown"'
@@ -63,11 +61,13 @@ def _loose(record: Record, arm: Arm, frame: Frame) -> Iterable[str]:
 
 
 def _beyond(record: Record, arm: Arm, frame: Frame, seen: Sequence[Signal]) -> Iterable[str]:
+    # Of (1): parts of the reach, which is an upper bound, and sigmas of the registration on top.
+    beyond, sure = 3.0, 5.0
     if arm.closures:
         return
     limit = workspace_radius(record, arm)
     far, signal = max((_far(signal, frame), signal.name) for signal in seen)
-    if far > BEYOND * limit + SURE * frame.translation:
+    if far > beyond * limit + sure * frame.translation:
         puts = f"is {list(frame.xyz)} m and puts {signal} {far:.4g} m from the base"
         yield f"{puts}, the arm reaches {limit:.3g} m at most; it is in m, not in mm"
 

@@ -40,22 +40,13 @@ def stored(path: Path, allow_outside: bool = False) -> dict[str, Any]:
     clocks = dict(table.clocks) or {"clock": Clock()}
     with reading(toml, "a record"):
         signals = [reader.signal(i, signal, next(iter(clocks))) for i, signal in enumerate(table.signals)]
-    return dict(
-        signals={signal.name: signal for signal in signals},
-        drive=table.drive,
-        description=table.description,
-        kind=table.kind,
-        initial=table.initial,
-        joints=table.joints,
-        payloads=table.payloads,
-        links=table.links,
-        controllers=table.controllers,
-        clocks=clocks,
-        frames=table.frames,
-        base=table.base,
-        path=toml.parent,
-        notes=tuple(reader.notes),
-    )
+    return {
+        **table.stated(),
+        "signals": {signal.name: signal for signal in signals},
+        "clocks": clocks,
+        "path": toml.parent,
+        "notes": tuple(reader.notes),
+    }
 
 
 class _Reader:

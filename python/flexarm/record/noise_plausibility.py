@@ -27,28 +27,16 @@ if TYPE_CHECKING:
     from flexarm.record.record import Record
     from flexarm.record.signal import Signal
 
-LOUD = 30.0
-"""Stated noise over (1): what lasts longer than a twentieth of a second may be ten times as much."""
 PART, PART_ELSE = 0.03, 0.5
 """Least share of the motion that such a noise is of places and angles, and of what rings or rubs."""
 STEADY = ("position", "deflection", "joint_angle", "inclination", "orientation")
 """Quantities that do not ring by as much as they move."""
 NONE = 1e-9
 """Scatter over the stated noise below which it is rounding, of an arm at rest that was simulated."""
-ORDERS = (1, 2, 3)
-"""k of (1); the least bound counts."""
-THINNED = 20.0
-"""Rate at which differences are taken [Hz]."""
-FINER = 20.0
-"""Step of readings over the stated noise."""
 FEW = 12
 """Differences of readings that tell a scatter."""
-REPEATS = 0.5
-"""Share of readings that repeat the one before from which on a coarse sensor scatters less than its steps."""
 QUICK = 50.0
 """Rate of joint angles of which the check says more [Hz]."""
-BAD, LATE = 1.0, 0.05
-"""Sigma of a clock [s], and share of what its signals last, from which on it is as good as unknown."""
 
 
 def noise_problems(signal: Signal) -> Iterable[Problem]:
@@ -65,15 +53,18 @@ def noise_problems(signal: Signal) -> Iterable[Problem]:
 
 
 def _noise(signal: Signal, stated: float) -> Iterable[str]:
+    finer = 20.0  # step of readings over the stated noise
+    # Stated noise over (1): what lasts longer than a twentieth of a second may be ten times as much.
+    loud = 30.0
     scatter, shown = _scatter(signal), float(np.max(np.nanstd(signal.values, axis=0)))
     part = PART if signal.quantity in STEADY else PART_ELSE
-    if scatter > NONE * stated and stated > max(LOUD * scatter, part * shown):
+    if scatter > NONE * stated and stated > max(loud * scatter, part * shown):
         yield (
             f"is {stated:.3g} {signal.unit}, but values scatter by {scatter:.2g} {signal.unit} at most; "
             "noise_std is in the unit of the signal"
         )
     step = _step(signal)
-    if step > FINER * stated:
+    if step > finer * stated:
         yield (
             f"is {stated:.3g} {signal.unit}, but all values are {step:.3g} {signal.unit} apart or multiples "
             "of it, which is noise as well; noise_std is in the unit of the signal"
@@ -96,11 +87,15 @@ def _scatter(signal: Signal) -> float:
 
 def _bound(signal: Signal, values: Floats) -> float:
     """Return the least s of (1) that the orders leave one channel."""
+    # Share of readings that repeat the one before from which on a coarse sensor scatters less than its
+    # steps.
+    repeats = 0.5
+    orders = (1, 2, 3)  # k of (1); the least bound counts
     found = []
-    for order in ORDERS if signal.pose is None else (1,):
+    for order in orders if signal.pose is None else (1,):
         steps = _differences(signal, values, order)
         steps = steps[np.isfinite(steps)]
-        if len(steps) < FEW or (order == 1 and np.mean(steps == 0) >= REPEATS):
+        if len(steps) < FEW or (order == 1 and np.mean(steps == 0) >= repeats):
             return 0.0
         found.append(float(np.sqrt(np.mean(steps**2) / comb(2 * order, order))))  # eq. (1)
     return min(found)
@@ -108,16 +103,19 @@ def _bound(signal: Signal, values: Floats) -> float:
 
 def _differences(signal: Signal, values: Floats, order: int) -> Floats:
     """Return differences of thinned readings; in a record of poses, those of rows of one pose."""
+    thinned = 20.0  # rate at which differences are taken [Hz]
     if signal.pose is None:
-        return np.diff(values[:: max(1, int(min(signal.rate_hz / THINNED, len(values))))], order)
+        return np.diff(values[:: max(1, int(min(signal.rate_hz / thinned, len(values))))], order)
     return np.concatenate([np.diff(values[signal.pose == pose], order) for pose in np.unique(signal.pose)])
 
 
 def clock_problems(record: Record) -> Iterable[Problem]:
     """Yield clocks whose sigma is large compared with the duration of their signals."""
+    # Sigma of a clock [s], and share of what its signals last, from which on it is as good as unknown.
+    bad, late = 1.0, 0.05
     for name, clock in record.clocks.items():
         spans = [s.time[-1] - s.time[0] for s in record.signals.values() if s.clock == name and len(s.time)]
         longest = float(max(spans, default=0.0))
-        if clock.sigma >= BAD and clock.sigma > LATE * longest > 0:
+        if clock.sigma >= bad and clock.sigma > late * longest > 0:
             what = f"is {clock.sigma:g} s (1 sigma), its signals last {longest:.3g} s; it is in s, not in ms"
             yield Problem(f"clocks.{name}", f'{what}; a clock of which nothing is known is "unknown"')

@@ -1,7 +1,7 @@
 """Plausibility rules of payloads, link lengths and joint values that a record states.
 
 Grams for kilograms, millimetres for metres, degrees for radians. The model with what the run carried is
-doubted as any model is (`flexarm.arm.plausibility`), and a load of `MORE` times the nominal arm with its
+doubted as any model is (`flexarm.arm.plausibility`), and a load of `more` times the nominal arm with its
 own loads besides: one in grams is a thousand times too heavy, and no arm carries loads so unlike one another,
 but in orbit, where nothing weighs.
 """
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.record.record import Record
 
-MORE = 30.0
-"""Mass of a load over that of the nominal arm with its loads."""
 DRAWN = 20.0
 """Length of a beam that was drawn out over the nominal one: telescopes have some five sections."""
 
@@ -51,6 +49,7 @@ def _as_model(record: Record, arm: Arm) -> Iterable[Problem]:
 
 
 def _heavy(record: Record, arm: Arm) -> Iterable[Problem]:
+    more = 30.0  # mass of a load over that of the nominal arm with its loads
     links = mass_of_links(arm)
     own = {load.name: load.mass for load in arm.payloads}
     stated = [(f"payloads.{n}.mass", n, load.mass) for n, load in record.payloads.items() if load.mass]
@@ -61,7 +60,7 @@ def _heavy(record: Record, arm: Arm) -> Iterable[Problem]:
     ]
     whole = links + sum(own.values()) if links else 0.0
     for where, name, mass in stated:
-        if whole > 0 and mass > MORE * whole and any(arm.gravity):
+        if whole > 0 and mass > more * whole and any(arm.gravity):
             nominal = f"the model has {own[name]:g} kg there and weighs {whole:.3g} kg in all"
             yield Problem(where, f"is {mass:g} kg, {nominal}; masses are in kg, not in g")
 

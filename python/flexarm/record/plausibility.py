@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arm.gears import shaft_ratio
+from flexarm.arm.joint import shaft_ratio
 from flexarm.errors import Problem
 from flexarm.record.drive_span import single_values, uncovered
 from flexarm.record.frame_plausibility import frame_rotation_problems
@@ -26,8 +26,6 @@ INPUTS = ("force", "payload_mass")
 """Quantities that say what an arm was told and are compared with nothing."""
 FARTHEST = 4 * pi
 """Angle that hardly any joint reaches at its output [rad]: wrists of robots turn by 7 rad."""
-DISTANT = 1000.0
-"""Distance that no arm reaches or moves over [m]."""
 
 
 def validate(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
@@ -185,9 +183,10 @@ def _unit(signal: Signal, ratio: float) -> Iterable[str]:
 
 def _distant(signal: Signal, elsewhere: bool) -> Iterable[str]:
     """Yield positions that no arm reaches, or further apart than that."""
+    distant = 1000.0  # distance that no arm reaches or moves over [m]
     span = float(np.max(np.nanmax(signal.values, axis=0) - np.nanmin(signal.values, axis=0)))
     size, what = (span, "moves over") if elsewhere else (float(np.nanmax(np.abs(signal.values))), "reaches")
-    if size > DISTANT:
+    if size > distant:
         yield f'{what} {size:g} m; if the file holds millimetres, say unit = "mm"'
 
 

@@ -6,8 +6,6 @@ import numpy as np
 
 from flexarm.arrays import Floats
 
-ON_LATTICE = 0.02
-"""Greatest distance of a reading from (1), in steps."""
 FEW = 8
 """Least number of different readings that show a grid."""
 
@@ -17,6 +15,7 @@ def quantisation_step(values: Floats, fewest: int = FEW) -> float:
 
     Those that are not finite are left out.
     """
+    on_lattice = 0.02  # greatest distance of a reading from (1), in steps
     found = np.unique(np.round(values[np.isfinite(values)], 14))
     if len(found) < fewest:
         return 0.0
@@ -25,4 +24,4 @@ def quantisation_step(values: Floats, fewest: int = FEW) -> float:
         count = np.round((found - found[0]) / step)
         step = float(count @ (found - found[0]) / (count @ count))
     away = np.abs((found - found[0]) / step - np.round((found - found[0]) / step))
-    return step if away.max() < ON_LATTICE else 0.0
+    return step if away.max() < on_lattice else 0.0

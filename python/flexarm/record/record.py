@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,8 @@ from flexarm.arguments import (
 )
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
-from flexarm.errors import InvalidParameter, Problem
+from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.output import output_directory, output_file
 from flexarm.record.signal import Signal
 from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
 from flexarm.tables import FrozenDict
@@ -164,7 +166,6 @@ class Record:
         InvalidFile
             If the directory holds files, or cannot be written.
         """
-        from flexarm.output import output_directory
         from flexarm.record.save import write
 
         with output_directory(path, force, self.files, ["record.toml"]) as directory:
@@ -193,11 +194,6 @@ class Record:
         InvalidFile
             If Arrow is missing, or the file cannot be written.
         """
-        from importlib.util import find_spec
-
-        from flexarm.errors import InvalidFile
-        from flexarm.output import output_file
-
         if find_spec("pyarrow") is None:
             raise InvalidFile(path, "output", "needs the package pyarrow: pip install 'flexarm[import]'")
         with output_file(path, self.files) as partial:
@@ -301,8 +297,6 @@ class Record:
         return with_overrides(self, arm)
 
     def _error(self, problems: list[Problem]) -> InvalidParameter:
-        from flexarm.errors import InvalidFile
-
         first = problems[0]
         if self.path is None:
             return InvalidParameter(first.what, where=first.where, problems=tuple(problems))

@@ -14,9 +14,6 @@ from flexarm.errors import InvalidParameter
 from flexarm.quantities import FRAMED, QUANTITIES, Quantity, channel_names
 from flexarm.tables.ranges import first_beyond, out_of_range, range_of
 
-ROUNDING = 1e-6
-"""Part by which a coherence may exceed 1."""
-
 
 @holds(
     name=TEXT,
@@ -165,6 +162,7 @@ class Signal:
             self._check_response(self.frequency)
 
     def _check_response(self, frequency: Floats) -> None:
+        rounding = 1e-6  # part by which a coherence may exceed 1
         where = f"signals.{self.name}"
         if not np.all(np.isfinite(frequency)) or np.any(frequency < 0) or np.any(np.diff(frequency) <= 0):
             raise InvalidParameter(
@@ -172,7 +170,7 @@ class Signal:
             )
         if self.coherence is not None and (
             self.coherence.shape != frequency.shape
-            or np.any((self.coherence < 0) | (self.coherence > 1 + ROUNDING))
+            or np.any((self.coherence < 0) | (self.coherence > 1 + rounding))
         ):
             raise InvalidParameter("must lie within 0 to 1, one a frequency", where=f"{where}.coherence")
         if self.averages < 1:

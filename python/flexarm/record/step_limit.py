@@ -17,10 +17,7 @@ MOST_STEPS = 20_000_000
 def check_step_count(start: float, end: float, step: float) -> None:
     """Refuse a run from `start` to `end` [s] at a time step [s] that is too long.
 
-    Raises
-    ------
-    InvalidParameter
-        With the duration and the number of steps.
+    Raise InvalidParameter with the duration and the number of steps.
     """
     for problem in _too_many(end - start, step):
         raise InvalidParameter(problem.what, where=problem.where)

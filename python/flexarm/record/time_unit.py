@@ -39,14 +39,6 @@ LONG = 3600.0
 """Duration from which on a run is worth a word [s]."""
 LIVELY = 10.0
 """Rates that joints reach [rad/s or m/s]: robots turn by 2 to 7 rad/s."""
-FASTEST = 100.0
-"""A rate that no joint reaches at its output [rad/s or m/s]."""
-STEP = 2e-3
-"""Time step of a run, unless another one is asked for [s]."""
-LOOKS = 1001
-"""Samples at which a motion is looked at."""
-SHARE = 0.9
-"""Share of a motion that is no faster than what is called its rate: single samples may be off."""
 LEAST_ROWS = 3
 """Rows of which a rate is known."""
 
@@ -82,12 +74,14 @@ def span_of(time: Floats) -> Span:
 
 
 def motion_of(name: str, time: Floats, values: Floats, unit: str) -> Motion:
-    """Return the rate of a motion: the quantile `SHARE` over `LOOKS` samples; NaN are drop-outs."""
+    """Return the rate of a motion: the quantile `share` over `looks` samples; NaN are drop-outs."""
+    share = 0.9  # share of a motion that is no faster than what is called its rate: single samples may be off
+    looks = 1001  # samples at which a motion is looked at
     good = np.flatnonzero(np.isfinite(values))
-    few = good[np.unique(np.linspace(0, len(good) - 1, LOOKS).astype(int))] if len(good) > 1 else good[:0]
+    few = good[np.unique(np.linspace(0, len(good) - 1, looks).astype(int))] if len(good) > 1 else good[:0]
     with np.errstate(over="ignore"):  # of numbers that no sensor gives
         rates = np.abs(np.diff(values[few]) / np.diff(time[few]))
-    return Motion(name, float(np.quantile(rates, SHARE)) if len(rates) else 0.0, unit)
+    return Motion(name, float(np.quantile(rates, share)) if len(rates) else 0.0, unit)
 
 
 def duration_problems(record: Record) -> Iterable[Problem]:
@@ -117,9 +111,10 @@ def _motion(signal: Signal) -> Motion:
 
 def implausible_rates(record: Record, joints: Sequence[str]) -> Iterable[Problem]:
     """Yield drives of these joints at rates that no joint reaches at its output (3)."""
+    fastest = 100.0  # A rate that no joint reaches at its output [rad/s or m/s]
     for signal in (record.signals[name] for name in record.drive):
         motion = _motion(signal) if len(signal.time) >= LEAST_ROWS else None
-        if motion and signal.joint in joints and motion.rate > FASTEST:
+        if motion and signal.joint in joints and motion.rate > fastest:
             what = f"moves by {motion.rate:.3g} {motion.unit}/s, faster than any joint"
             yield Problem(
                 f"signals.{signal.name}", f"{what}; are its stamps, and its values, in their units?"
@@ -154,9 +149,10 @@ def implausible_duration(span: Span, motions: Sequence[Motion], remedy: str = RE
 
     The remedy says what to do about stamps in another `{unit}`.
     """
+    step = 2e-3  # time step of a run, unless another one is asked for [s]
     if span.seconds <= LONG:
         return
-    long = f"lasts {span}, {span.seconds / STEP:.2g} steps of a simulation at {1e3 * STEP:g} ms"
+    long = f"lasts {span}, {span.seconds / step:.2g} steps of a simulation at {1e3 * step:g} ms"
     fastest = max(motions, key=lambda motion: motion.rate, default=None)
     factor = next((f for f in UNITS if span.seconds / f <= LONG), None)
     if factor and fastest and span.rate * factor <= USUAL and 0 < fastest.rate * factor <= LIVELY:

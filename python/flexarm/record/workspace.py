@@ -17,11 +17,6 @@ if TYPE_CHECKING:
     from flexarm.record.record import Record
     from flexarm.record.signal import Signal
 
-LOOKS = 101
-"""Instants at which a motion is looked at."""
-SURE = 3.0
-"""Sigmas of a clock that its stamps may be off by."""
-
 
 def rigid_places(record: Record, arm: Arm, point: str) -> Floats:
     """Return positions of a point of the rigid arm along the recorded joint angles, shape (n, 3) [m].
@@ -62,7 +57,8 @@ def _places(record: Record, arm: Arm, point: str, rows: Mapping[str, NDArray[np.
 
 
 def _looks(count: int) -> NDArray[np.intp]:
-    return np.round(np.linspace(0, 1, LOOKS) * (count - 1)).astype(int)
+    looks = 101  # instants at which a motion is looked at
+    return np.round(np.linspace(0, 1, looks) * (count - 1)).astype(int)
 
 
 def _drives(record: Record) -> dict[str, NDArray[np.intp]]:
@@ -92,9 +88,10 @@ def _rows_at(record: Record, instants: Floats) -> dict[str, NDArray[np.intp]]:
 
 def _late(record: Record, signal: Signal) -> list[float]:
     """Return plausible offsets of a clock [s]: as stated, or from a common begin or end with the drives."""
+    sure = 3.0  # sigmas of a clock that its stamps may be off by
     clock = record.clocks[signal.clock]
     if not clock.unknown:
-        return [clock.offset + k * SURE * clock.sigma for k in (0, -1, 1)]
+        return [clock.offset + k * sure * clock.sigma for k in (0, -1, 1)]
     drives = [record.instants(record.signals[name])[rows] for name, rows in _drives(record).items()]
     first, last = min((t[0] for t in drives), default=0.0), max((t[-1] for t in drives), default=0.0)
     return [float(signal.time[0] - first), float(signal.time[-1] - last)]

@@ -114,10 +114,7 @@ class InterfaceSet:
 def _as_indices(points: NDArray[Any], n_points: int) -> Ints:
     """Return indices of points, given as indices or as a mask of all of them.
 
-    Raises
-    ------
-    InvalidParameter
-        If they are neither.
+    Raise InvalidParameter if they are neither.
     """
     if points.dtype == bool and points.shape == (n_points,):
         return np.flatnonzero(points)
@@ -135,10 +132,7 @@ def _as_indices(points: NDArray[Any], n_points: int) -> Ints:
 def refuse_shared(sets: Mapping[str, InterfaceSet], mesh: SolidMesh) -> None:
     """Refuse points of two rigid interfaces, which cannot follow both frames.
 
-    Raises
-    ------
-    InvalidParameter
-        If rigid interfaces share points.
+    Raise InvalidParameter if rigid interfaces share points.
     """
     rigid = {name: item._indices(mesh) for name, item in sets.items() if item.kind == "rigid"}
     for (one, points), (other, others) in combinations(rigid.items(), 2):

@@ -7,25 +7,21 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from flexarm import _core as _typed_core
 from flexarm.arguments import COUNT, FLAG, MESH, NAMED, NUMBER, POSITIVE, TEXT, takes
+from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
-from flexarm.reduction.damping import stiffness_proportional
 from flexarm.reduction.interface_set import InterfaceSet, refuse_shared
-from flexarm.solids.plausibility import refuse_implausible
+from flexarm.solids import SolidMesh
+from flexarm.solids.checks import refuse_implausible
 from flexarm.superelement import SuperElement
-
-if TYPE_CHECKING:
-    from flexarm.solids import SolidMesh
 
 _core: Any = _typed_core
 
-DEFAULT_MODES = 20
-MOST_MODES = 1000  # time grows with their square, and an arm needs a few dozen
 
 Progress = Callable[[str, float], None]
 """Hears the phase that runs and the part of it that is done, 0 to 1."""
@@ -80,7 +76,7 @@ def reduce_mesh(
         Lumped instead of consistent masses.
     mass : float, optional
         What the part weighs [kg]; the reduced part must agree within 0.1 %. Needed for a part of a size or
-        mass that no part of an arm has (`flexarm.solids.plausibility`).
+        mass that no part of an arm has (`flexarm.solids.checks`).
     recovery : bool
         Keep the matrix that gives the displacements of all points, 24 bytes a point and freedom.
     name : str, optional
@@ -170,12 +166,14 @@ def _interface_set(value: InterfaceSet | str) -> InterfaceSet:
 
 def _wanted(modes: int | None, max_frequency: float | None) -> tuple[int, float]:
     """Return the number of modes and the frequency limit, one of them zero."""
+    most_modes = 1000
+    default_modes = 20
     if modes is not None and max_frequency is not None:
         raise InvalidParameter("give modes or max_frequency, not both", where="modes")
-    if modes is not None and not (isinstance(modes, int | np.integer) and 0 <= modes <= MOST_MODES):
-        raise InvalidParameter(f"must be a whole number, 0 to {MOST_MODES}, got {modes}", where="modes")
+    if modes is not None and not (isinstance(modes, int | np.integer) and 0 <= modes <= most_modes):
+        raise InvalidParameter(f"must be a whole number, 0 to {most_modes}, got {modes}", where="modes")
     if max_frequency is None:
-        return (DEFAULT_MODES if modes is None else modes), 0.0
+        return (default_modes if modes is None else modes), 0.0
     if not 0 < max_frequency < math.inf:
         raise InvalidParameter(f"must be positive, got {max_frequency:g} Hz", where="max_frequency")
     return 0, max_frequency
@@ -208,3 +206,32 @@ def _options(
         "masses": "lumped" if lumped else "consistent",
         "damping_ratio": f"{damping_ratio:g}",
     }
+
+
+def stiffness_proportional(stiffness: Floats, mass: Floats, damping_ratio: float) -> Floats:
+    """Return the damping of a reduced part, which never damps rigid motion.
+
+        C = beta K,    beta = 2 zeta/omega_1                                                             (1)
+
+    gives the first elastic mode of the free part, of frequency omega_1, the damping ratio zeta, and a mode of
+    frequency omega the ratio zeta omega/omega_1.
+
+    Raise InvalidParameter if the ratio is not in [0, 1), or the part is rigid.
+    """
+    if not 0 <= damping_ratio < 1:
+        raise InvalidParameter(f"must be in [0, 1), got {damping_ratio:g}", where="damping_ratio")
+    if damping_ratio == 0:
+        return np.zeros_like(stiffness)
+    elastic = free_frequencies(stiffness, mass)
+    if not len(elastic):
+        what = "needs an elastic mode: the part has one interface and no internal modes, so it is rigid"
+        raise InvalidParameter(what, where="damping_ratio")
+    return np.asarray(2 * damping_ratio / (2 * np.pi * elastic[0]) * stiffness)  # eq. (1)
+
+
+def free_frequencies(stiffness: Floats, mass: Floats) -> Floats:
+    """Return the frequencies of the free part [Hz] without its six rigid motions."""
+    from scipy.linalg import eigh
+
+    squares = eigh(stiffness, mass, eigvals_only=True)[6:]
+    return np.asarray(np.sqrt(np.maximum(squares, 0)) / (2 * np.pi))

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from flexarm.calibration.result import Calibration
 
 FORMAT = "flexarm-calibration/1"
-DIGITS = 4
-"""Of a correlation: more are noise."""
 
 
 class RangeEntry(Entry):
@@ -112,6 +110,7 @@ class CalibrationFile(BaseModel):
 
 def calibration_dict(found: Calibration) -> dict[str, Any]:
     """Return the object of `calibration.json`, checked against the format."""
+    digits = 4  # of a correlation: more are noise
     provenance = provenance_of(found.provenance)
     content = {
         "format": FORMAT,
@@ -119,7 +118,7 @@ def calibration_dict(found: Calibration) -> dict[str, Any]:
         "families": [asdict(each) for each in found.families],
         "correlations": {
             "parameters": [each.name for each in found.parameters],
-            "matrix": found.correlations.round(DIGITS),
+            "matrix": found.correlations.round(digits),
         },
         "frames": [asdict(each) for each in found.frames],
         "chi_square": {**asdict(found.chi_square), "reduced": found.chi_square.reduced},

@@ -129,7 +129,12 @@ def _of_states(d: Diagnosis) -> str:
 
 
 def write_updated(diagnosis: Diagnosis, path: Path, model: Path | None = None) -> None:
-    """Write the file, with the comments of the model file that was diagnosed, if that is given."""
+    """Write the repaired model, and above it where it comes from and what was changed.
+
+    The comments of the model file that was diagnosed are kept, if that is given. The same diagnosis gives the
+    same file, so there is no date in it. Values are in SI units like those below them; 90 % intervals of
+    refined nominal values are those of a normal distribution.
+    """
     lines = [part for line in _head(diagnosis) for part in wrap(line, 118, subsequent_indent="    ")]
     head = "".join(f"# {line}\n" for line in lines)
     write_file(path, f"{head}\n{diagnosis.updated.toml_for(path.parent, model)}")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from flexarm.arm.effect import effect_class
+from flexarm.budget import ended_early
 from flexarm.report.files import filled
 from flexarm.report.gap_tables import gap_tables
 from flexarm.report.law_figures import law_rows
@@ -57,6 +58,7 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         filters,
         d=d,
         headline=headline(d),
+        early=ended_early(d.remarks),
         verdict=verdict_sentence(d),
         foretold=foretold_sentence(d),
         remarks=remarks_beside(d),

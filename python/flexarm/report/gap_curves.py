@@ -25,8 +25,6 @@ LOOKS: dict[str, dict[str, Any]] = {
     "updated model": {"color": AFTER, "marker": "s"},
 }
 """Okabe and Ito's colours, told apart by everyone; markers differ too."""
-MANY = 400
-"""Samples beyond which lines stand without markers."""
 
 
 def plot(diagnosis: BeforeAfter, ax: Axes | None, record: str | None) -> Axes:
@@ -127,10 +125,11 @@ def draw(
 
 def _line(ax: Axes, where: Floats, values: Floats, dotted: bool, name: str) -> None:
     """Dots where order means nothing; a line else, with markers while they can be told apart."""
+    many = 400  # samples beyond which lines stand without markers
     look: dict[str, Any] = {"label": name, **LOOKS[name]}
     if dotted:
-        ax.plot(where, values, ls="none", ms=2.2, mew=0, rasterized=len(where) > MANY, **look)
+        ax.plot(where, values, ls="none", ms=2.2, mew=0, rasterized=len(where) > many, **look)
         return
-    if len(where) > MANY:
+    if len(where) > many:
         look["marker"] = "none"
-    ax.plot(where, values, lw=0.7, ms=2.2, mew=0, rasterized=len(where) > 5 * MANY, **look)
+    ax.plot(where, values, lw=0.7, ms=2.2, mew=0, rasterized=len(where) > 5 * many, **look)

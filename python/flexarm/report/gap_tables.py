@@ -2,9 +2,9 @@
 
 First stands the report's main signal, then each other one of which the repair changes the gap noticeably, as
 friction of a motor does that shows in a torque alone: in the training or in what was held out, by more than
-`CHANGED` of itself and
+`changed` of itself and
 
-    sqrt(|rms_before^2 - rms_after^2|) > `NOTICED` noise                                               (1)
+    sqrt(|rms_before^2 - rms_after^2|) > `noticed` noise                                               (1)
 """
 
 from __future__ import annotations
@@ -18,10 +18,6 @@ from flexarm.wording import number, scale
 
 if TYPE_CHECKING:
     from flexarm.comparison.before_after import BeforeAfter
-
-
-CHANGED, NOTICED = 0.1, 0.5
-"""Of (1): what an effect must do to a channel to be taken is half of its noise as well."""
 
 
 @dataclass(frozen=True)
@@ -52,11 +48,13 @@ def changed_signals(diagnosis: BeforeAfter) -> list[str]:
 
 
 def changes(gap: PooledGap) -> bool:
-    """Return True if a gap changes by more than `CHANGED`, and (1)."""
+    """Return True if a gap changes by more than `changed`, and (1)."""
+    # Of (1): what an effect must do to a channel to be taken is half of its noise as well.
+    changed, noticed = 0.1, 0.5
     if gap.before_rms is None or gap.after_rms is None:
         return False
-    change = abs(gap.before_rms - gap.after_rms) > CHANGED * max(gap.before_rms, gap.after_rms)
-    return change and abs(gap.before_rms**2 - gap.after_rms**2) > (NOTICED * (gap.noise_rms or 0.0)) ** 2
+    change = abs(gap.before_rms - gap.after_rms) > changed * max(gap.before_rms, gap.after_rms)
+    return change and abs(gap.before_rms**2 - gap.after_rms**2) > (noticed * (gap.noise_rms or 0.0)) ** 2
 
 
 def _table(d: BeforeAfter, signal: str) -> GapTable:

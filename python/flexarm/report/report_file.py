@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from flexarm.configuration import config
 from flexarm.report.sentences import foretold_sentence, remarks_beside
 
 if TYPE_CHECKING:
@@ -293,8 +294,6 @@ def provenance_of(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return what is known of where it comes from; version and commit of this installation where nothing is
     said.
     """
-    from flexarm.configuration import config
-
     versions = config()
     return {
         "version": given.get("version", versions["flexarm"]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexarm.budget import ended_early
 from flexarm.report.gap_tables import changed_signals, changes
 from flexarm.wording import listed, number, place_words, probability, scale, signed, with_unit
 
@@ -30,6 +31,8 @@ def headline(diagnosis: Diagnosis) -> str:
     """Return the verdict as a headline; several effects in the plural, those that the model has already as
     such.
     """
+    if diagnosis.verdict == "unexplained" and ended_early(diagnosis.remarks):
+        return "A gap remains, and the time for the search ended"
     if diagnosis.verdict != "effects":
         return HEADLINES[diagnosis.verdict]
     count, resized = len(diagnosis.effects), sum(in_model(diagnosis, each) for each in diagnosis.effects)
@@ -227,7 +230,9 @@ def _adequate(diagnosis: Diagnosis) -> list[str]:
 
 def _unexplained(diagnosis: Diagnosis) -> list[str]:
     part = listed([named(effect) for effect in diagnosis.effects])
+    early = ended_early(diagnosis.remarks)
     return [
+        "More time may find names for it, and change the ones below: not all was tried." if early else "",
         diagnosis.remainder or "What remains of the gap exceeds the noise, and no known effect explains it.",
         f"Part of the gap may be {part}." if part else "",
         gap_sentence(diagnosis),

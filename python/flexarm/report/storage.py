@@ -122,10 +122,7 @@ def _gap_facts(gap: SignalGap) -> dict[str, Any]:
 def stored(path: str | Path) -> dict[str, Any]:
     """Return the attributes of the diagnosis in a directory, which may be given by its report.json.
 
-    Raises
-    ------
-    InvalidFile
-        If a file is missing, or is not what a diagnosis wrote.
+    Raise InvalidFile if a file is missing, or is not what a diagnosis wrote.
     """
     directory, told = stored_object(path, KIND, REPORT, ReportFile)
     arm, comparisons = stored_gaps(directory / GAPS, KIND)
@@ -159,10 +156,7 @@ def stored(path: str | Path) -> dict[str, Any]:
 def stored_gaps(path: Path, kind: str) -> tuple[Arm, dict[str, dict[str, Comparison]]]:
     """Return the nominal model and the comparisons `before` and `after` in a file of gaps.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is missing, or is no such file.
+    Raise InvalidFile if the file is missing, or is no such file.
     """
     dataset = load(path, kind)
     with reading(path, f"gaps of a {kind}"):

@@ -16,36 +16,23 @@ from flexarm.reproduction.study import Study
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim and its check.
-
-    Attributes
-    ----------
-    id : int
-        Number in the paper's list.
-    claim, measure : str
-        What the paper claims, and what `value` is.
-    value, threshold : float
-        In `unit`; the claim needs value >= threshold, or <= where `at_most`.
-    unit : str
-        "-" for a pure number.
-    reason : str
-        Why this threshold.
-    numbers : dict of str to float
-        Further numbers behind the verdict; names end in their unit.
-    conditions : tuple of bool
-        What must hold besides.
-    """
+    """A claim and its check."""
 
     id: int
     claim: str
+    """Number and text in the paper's list."""
     measure: str
     value: float
     unit: str
+    """What `value` is, and its unit; "-" for a pure number."""
     threshold: float
     reason: str
+    """The claim needs value >= threshold, or <= where `at_most`, and why."""
     at_most: bool = False
     numbers: dict[str, float] = field(default_factory=dict)
+    """Further numbers behind the verdict; names end in their unit."""
     conditions: tuple[bool, ...] = ()
+    """What must hold besides."""
 
     @property
     def holds(self) -> bool:

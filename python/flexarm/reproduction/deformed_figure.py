@@ -25,8 +25,6 @@ ARM_SCALE, HINGE_SCALE = 10.0, 50.0
 COLOURS = "viridis"
 LIGHT = np.array([0.3, -0.8, 0.6]) / np.linalg.norm([0.3, -0.8, 0.6])
 """Where the light comes from."""
-ARM_VIEW, HINGE_VIEW = (14.0, -62.0), (22.0, -148.0)
-"""Elevation and azimuth [deg]; the hinge is cut open on the side that is seen."""
 
 
 def deformed(table: Table, surfaces: Sequence[Surface]) -> Figure:
@@ -34,14 +32,16 @@ def deformed(table: Table, surfaces: Sequence[Surface]) -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    # Elevation and azimuth [deg]; the hinge is cut open on the side that is seen.
+    arm_view, hinge_view = (14.0, -62.0), (22.0, -148.0)
     figure = Figure(figsize=(6.9, 5.6))
     figure.set_layout_engine("none")  # places are given below
     FigureCanvasAgg(figure)
     figure.text(0.02, 0.965, f"deformed mock-up, displacements × {ARM_SCALE:g}; grey: rigid arm", size=9)
-    _solids(figure, Frame((0.0, 0.46, 1.0, 0.50), ARM_VIEW, 2.4), surfaces, ARM_SCALE, (0.12, 0.86))
+    _solids(figure, Frame((0.0, 0.46, 1.0, 0.50), arm_view, 2.4), surfaces, ARM_SCALE, (0.12, 0.86))
     figure.text(0.02, 0.47, f"the hinge cut open, displacements × {HINGE_SCALE:g}", size=9)
     opened = [surface.opened() for surface in surfaces if surface.name in HINGE]
-    _solids(figure, Frame((0.0, 0.06, 0.52, 0.40), HINGE_VIEW, 1.3), opened, HINGE_SCALE, (0.12, 0.075))
+    _solids(figure, Frame((0.0, 0.06, 0.52, 0.40), hinge_view, 1.3), opened, HINGE_SCALE, (0.12, 0.075))
     _tips(figure.add_axes((0.63, 0.19, 0.34, 0.25)), table)
     return figure
 

@@ -15,9 +15,6 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.statics import static
 
-POSES = 25
-"""Equilibria behind a quasi-static curve; the cubic spline through them is within 0.1 um."""
-
 
 @dataclass(frozen=True)
 class Plane:
@@ -50,7 +47,8 @@ class StaticOffset:
     @classmethod
     def of(cls, arm: Arm, length: float, middle: float, largest: float) -> StaticOffset:
         """Return equilibria at angles within `largest` of `middle` [rad], the tip at `length`."""
-        angles = middle + np.linspace(-largest, largest, POSES)
+        poses = 25  # equilibria behind a quasi-static curve; the cubic spline through them is within 0.1 um
+        angles = middle + np.linspace(-largest, largest, poses)
         found = [static(arm, joints={"hinge": angle}) for angle in angles]
         tips = np.array([statics.position[-1, [0, 2]] for statics in found])
         return cls(angles, Plane(length).tangential(tips, angles))

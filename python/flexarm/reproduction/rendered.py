@@ -24,10 +24,6 @@ from flexarm.termination import scratch_directory, undone_on_exit
 Part = tuple[Floats, tuple[tuple[int, ...], ...], Floats | None]
 """Points (n, 3), faces, and a value at each point to colour by; None: grey and seen through."""
 
-PATIENCE = 120.0
-"""After so many seconds the renderer is given up [s]."""
-WINDOW = (2400, 1500)
-
 
 def rendered(
     parts: Sequence[Part], largest: float, colours: str, view: tuple[float, float]
@@ -51,13 +47,14 @@ def rendered(
 
 def _done(command: list[str]) -> bool:
     """Run a command to its end; return False if it fails or takes too long."""
+    patience = 120.0  # after so many seconds the renderer is given up [s]
     try:
         renderer = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     except OSError:
         return False
     with renderer, undone_on_exit(renderer.kill):
         try:
-            return renderer.wait(PATIENCE) == 0
+            return renderer.wait(patience) == 0
         except subprocess.TimeoutExpired:
             return False
         finally:
@@ -83,9 +80,10 @@ def _cut(image: NDArray[Any]) -> NDArray[Any]:
 
 def _draw(scene: Path, image: Path) -> None:
     """Draw in a process of its own."""
+    window = (2400, 1500)
     pyvista: Any = import_module("pyvista")
     data = np.load(scene)
-    plotter = pyvista.Plotter(off_screen=True, window_size=list(WINDOW))
+    plotter = pyvista.Plotter(off_screen=True, window_size=list(window))
     for i in range(int(data["count"])):
         mesh, values = pyvista.PolyData(data[f"points_{i}"], data[f"faces_{i}"]), data[f"values_{i}"]
         if values.size:

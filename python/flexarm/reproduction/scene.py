@@ -28,8 +28,6 @@ from flexarm.statics import Statics, static
 
 RINGS, AROUND = 25, 24
 """Cross-sections of the tube and points on each."""
-LOAD_EDGE = 0.12
-"""Edge of the cube that stands for the load, 14.1 kg of steel [m]."""
 
 
 @dataclass(frozen=True)
@@ -110,8 +108,9 @@ def _tube(found: Statics, places: Floats, turn: Floats) -> Surface:
 
 def _load(found: Statics, length: float, turn: Floats) -> Surface:
     """Return a cube that moves with the tube's end."""
+    load_edge = 0.12  # edge of the cube that stands for the load, 14.1 kg of steel [m]
     corners = (
-        LOAD_EDGE
+        load_edge
         / 2
         * np.array([[x, y, z] for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
     )

@@ -28,9 +28,6 @@ from flexarm.reproduction.study import LATE, Study, tip_of
 from flexarm.reproduction.variants import CONTRIBUTORS, HINGE, RIGID, tube_of
 from flexarm.simulation import simulate
 
-COARSE_STEP = 4e-3
-"""Step of the two trial models [s]: 0.03 mm off, beside gaps of half a millimetre and more."""
-
 
 @dataclass(frozen=True)
 class Split:
@@ -110,6 +107,8 @@ def _part(study: Study, part: str, angle: float) -> float:
 
 def _gap(study: Study, arm: Arm) -> float:
     """Return the rms distance of the measured tip from that of a model driven by the encoder [m]."""
+    # Step of the two trial models [s]: 0.03 mm off, beside gaps of half a millimetre and more.
+    coarse_step = 4e-3
     moved = Drive({"hinge": study.encoder}, end=study.experiment.end + LATE)
-    run = simulate(arm, moved, step=COARSE_STEP)
+    run = simulate(arm, moved, step=coarse_step)
     return length_rms(study.measured - tip_of(run, study.stamps))

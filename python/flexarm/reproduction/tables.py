@@ -20,9 +20,6 @@ from flexarm.reproduction.study import Study
 from flexarm.reproduction.variants import tube_of
 from flexarm.simulation import simulate
 
-SHAPE_POINTS = 13
-"""Places along the tube at which its deformed shape is computed."""
-
 
 @dataclass(frozen=True)
 class Column:
@@ -64,21 +61,22 @@ def input_shaft(study: Study) -> Table:
 
 def deformed_shape(study: Study) -> Table:
     """Return Figure 6: the tube's axis at the greatest measured offset, and the three tips."""
+    shape_points = 13  # places along the tube at which its deformed shape is computed
     time = deformed_instant(study)
     start = study.models.hinge.design.hub.flange_radius
-    places = np.linspace(start, study.plane.length, SHAPE_POINTS)
+    places = np.linspace(start, study.plane.length, shape_points)
     point = study.model.point("tip")
     along = tuple(
         point.replace(name=f"p{i}", position=(0.0, 0.0, float(place - start)))
         for i, place in enumerate(places)
     )
-    finer = tube_of(study.model).replace(elements=SHAPE_POINTS - 1)
+    finer = tube_of(study.model).replace(elements=shape_points - 1)
     links = tuple(finer if link.name == "tube" else link for link in study.model.links)
     arm = study.model.replace(points=along, links=links)
     run = simulate(arm, Drive({"hinge": study.encoder}, end=time + 0.01))
     shape = np.array([run.at([time], entry.name)[0, [0, 2]] for entry in along])
     tip = study.rigid(np.array([time]))[0]
-    measured = np.full((SHAPE_POINTS, 2), np.nan)
+    measured = np.full((shape_points, 2), np.nan)
     measured[-1] = study.measured[int(np.searchsorted(study.stamps, time))]
     rigid = places[:, None] / study.plane.length * tip
     return {

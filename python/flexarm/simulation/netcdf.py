@@ -70,10 +70,7 @@ def contents(run: Simulation) -> Contents:
 def stored(path: str | Path) -> dict[str, Any]:
     """Return the attributes of the run that a file holds.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is not a stored run.
+    Raise InvalidFile if the file is not a stored run.
     """
     data = load(path, "simulation")
     arm = model_of(data, path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from shutil import get_terminal_size
 
 Progress = bool | Callable[[float], object] | None
 """True for a bar, or a function that gets the share done and may return False to stop."""
@@ -25,8 +26,6 @@ def reported(progress: Progress, name: str) -> Iterator[Report]:
 @contextmanager
 def bar(keep: bool = False) -> Iterator[Callable[[float, str], None]]:
     """Yield a function of the share done, 0 to 1, and its name, that draws a bar on standard error."""
-    from shutil import get_terminal_size
-
     from tqdm import tqdm
 
     columns, rows = get_terminal_size()  # tqdm draws nothing at a terminal that tells no size

@@ -16,6 +16,7 @@ from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
+from flexarm.measurement.sampling import sample
 from flexarm.pictures import viewed
 from flexarm.result import Result
 from flexarm.sensitivity import Sensitivities
@@ -147,8 +148,6 @@ class Simulation(Result):
         InvalidParameter
             If there is no such point.
         """
-        from flexarm.measurement.sampling import sample
-
         if point not in self.points:
             raise InvalidParameter(f"there is no point {point!r}; there are {', '.join(self.points)}")
         i = self.points.index(point)

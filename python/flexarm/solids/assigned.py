@@ -22,10 +22,7 @@ _NONE = -1
 def material_indices(mesh: SolidMesh) -> tuple[list[Material], dict[str, Ints]]:
     """Return the materials in use and, for each type of cell, the index of each cell's material.
 
-    Raises
-    ------
-    InvalidParameter
-        If a cell has no material, or two that differ.
+    Raise InvalidParameter if a cell has no material, or two that differ.
     """
     names, indices = _by_group(mesh)
     bare = _without(mesh, indices)

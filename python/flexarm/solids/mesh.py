@@ -138,7 +138,7 @@ class SolidMesh:
     @property
     def warnings(self) -> tuple[Problem, ...]:
         """Notes of the reader, and values that are allowed and yet look wrong."""
-        from flexarm.solids.plausibility import validate
+        from flexarm.solids.checks import validate
 
         return (*self.notes, *validate(self))
 

@@ -66,8 +66,9 @@ def _face_nodes(kind: CellType, face: int) -> list[int]:
 
 def _integrals(corners: Floats) -> Floats:
     """Return (1) of faces given by their nodes (n, nodes, 3)."""
+    triangle = (((1 / 6, 1 / 6), (2 / 3, 1 / 6), (1 / 6, 2 / 3)), (1 / 6, 1 / 6, 1 / 6))
     n_nodes = corners.shape[1]
-    places, weights = _TRIANGLE if n_nodes in (3, 6) else _SQUARE
+    places, weights = triangle if n_nodes in (3, 6) else _SQUARE
     total = np.zeros(corners.shape[:2])
     for (r, s), weight in zip(places, weights, strict=True):
         shape, along_r, along_s = _SHAPES[n_nodes](r, s)
@@ -77,7 +78,6 @@ def _integrals(corners: Floats) -> Floats:
 
 
 # Rules exact for the shape functions on flat faces: three points in a triangle, three by three in a square.
-_TRIANGLE = (((1 / 6, 1 / 6), (2 / 3, 1 / 6), (1 / 6, 2 / 3)), (1 / 6, 1 / 6, 1 / 6))
 _GAUSS = ((-np.sqrt(0.6), 5 / 9), (0.0, 8 / 9), (np.sqrt(0.6), 5 / 9))
 _SQUARE = (
     tuple((r, s) for r, _ in _GAUSS for s, _ in _GAUSS),

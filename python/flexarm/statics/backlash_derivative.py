@@ -21,9 +21,6 @@ from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter
 from flexarm.errors import InvalidParameter
 
-_ALIKE = 0.05
-"""Of the width of the gap: angles that differ by less are one. A flank is half a width away."""
-
 
 def require_backlash_derivative(
     arm: Arm,
@@ -42,11 +39,9 @@ def require_backlash_derivative(
     equilibrium, one column for each. `at_rest` gives the equilibrium of another system under the same drives
     and loads. If `stiff`, the stiffness of the joint must stay, too.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no derivative at a gap of zero.
+    Raise InvalidParameter if there is no derivative at a gap of zero.
     """
+    alike = 0.05  # of the width of the gap: angles that differ by less are one. A flank is half a width away
     names = [joint.name for joint in arm.joints]
     for k, (parameter, pair) in enumerate(zip(wanted, beside, strict=True)):
         if not (parameter.one_sided and parameter.key.startswith("effects.backlash.")):
@@ -59,9 +54,9 @@ def require_backlash_derivative(
         closed = angle(system, equilibrium.state)
         opened = angle(pair.plus, at_rest(pair.plus).state) - closed
         told = angle(pair.plus, _core.moved(system, equilibrium.state, moving, k, pair.up)) - closed
-        if abs(opened - told) > _ALIKE * pair.up:
+        if abs(opened - told) > alike * pair.up:
             raise _refused(parameter.key, "the arm falls on one of its flanks once it opens")
-        if stiff and abs(opened) <= _ALIKE * pair.up:
+        if stiff and abs(opened) <= alike * pair.up:
             raise _refused(parameter.key, "the joint hardly resists in the middle of it")
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arm import Arm
-from flexarm.arm.gears import gear_input
+from flexarm.arm.joint import gear_input
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, following_joints, joint_values, point_loads
@@ -44,12 +44,8 @@ class StaticSolution:
 class DriveVariation:
     """A change of the drive angles by a parameter, such as the offset of an encoder.
 
-    Attributes
-    ----------
-    above, below : dict of str to float
-        Angles of the joints [rad, m] with a little more and a little less of it.
-    up, down : float
-        How much more, and, negative, how much less.
+    Angles of the joints [rad, m] are those with a little more of it, by `up`, and a little less, by negative
+    `down`.
     """
 
     above: Mapping[str, float]
@@ -59,29 +55,12 @@ class DriveVariation:
 
 
 class StaticsBatch:
-    """Equilibria of an arm with its drives held.
+    """Equilibria of an arm with its drives held, and derivatives of the `differentiated` arrays.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model, with its effects.
-    at_link : collection of str
-        Joints whose angle is the link's.
-    loaded : iterable of str
-        Points that carry forces.
-    sensitivities : iterable of str
-        Keys of parameters by which the arrays are differentiated.
-    turned : collection of str
-        Joints whose drives parameters turn; the others are locked.
-    differentiated : collection of str
-        Arrays of which derivatives are taken.
-    driven : collection of str
-        Joints of loops that are held; the others of loops follow.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is no derivative by a parameter.
+    `at_link` are joints whose angle is the link's, `loaded` points that carry forces, `sensitivities` keys of
+    parameters, `turned` joints whose drives parameters turn (the others are locked), and `driven` joints of
+    loops that are held; the others of loops follow. Raise InvalidParameter if there is no derivative by a
+    parameter.
     """
 
     def __init__(

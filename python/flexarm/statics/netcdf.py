@@ -15,17 +15,20 @@ from flexarm.statics.part_shape import PartShape
 if TYPE_CHECKING:
     from flexarm.statics.statics import Statics
 
-# What a stored equilibrium always holds, and what the axes count.
-_VARIABLES = {
-    "position": ("point", "axis"),
-    "displacement": ("point", "axis"),
-    "rotation": ("point", "axis", "body_axis"),
-    "joint_torque": ("joint",),
-    "drive_angle": ("joint",),
-    "link_angle": ("joint",),
-    "section_forces": ("link", "end", "component"),
-    "base_wrench": ("wrench",),
+# Axes and attributes of what a stored equilibrium holds; the last two are optional.
+_VARIABLES: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
+    "position": (("point", "axis"), {"units": "m"}),
+    "displacement": (("point", "axis"), {"units": "m"}),
+    "rotation": (("point", "axis", "body_axis"), {"units": "1"}),
+    "joint_torque": (("joint",), {"units": "N m"}),
+    "drive_angle": (("joint",), {"units": "rad"}),
+    "link_angle": (("joint",), {"units": "rad"}),
+    "section_forces": (("link", "end", "component"), {"units": "N, N m", "axes": "of the section"}),
+    "base_wrench": (("wrench",), {"units": "N, N m"}),
+    "force": (("point", "axis"), {"units": "N"}),
+    "closure_force": (("closure", "wrench"), {"units": "N, N m"}),
 }
+_ALWAYS = list(_VARIABLES)[:-2]
 
 # What a file keeps of a PartShape, in its order: variable, axes, unit.
 _PART_VARIABLES = (
@@ -49,24 +52,11 @@ def contents(found: Statics) -> Contents:
     whole = Contents(
         {
             **parts,
-            "position": (("point", "axis"), found.position, {"units": "m"}),
-            "displacement": (("point", "axis"), found.displacement, {"units": "m"}),
-            "rotation": (("point", "axis", "body_axis"), found.rotation, {"units": "1"}),
-            "joint_torque": (("joint",), found.joint_torque, {"units": "N m"}),
-            "drive_angle": (("joint",), found.drive_angle, {"units": "rad"}),
-            "link_angle": (("joint",), found.link_angle, {"units": "rad"}),
-            "section_forces": (
-                ("link", "end", "component"),
-                found.section_forces,
-                {"units": "N, N m", "axes": "of the section"},
-            ),
-            "base_wrench": (("wrench",), found.base_wrench, {"units": "N, N m"}),
-            **({} if found.force is None else {"force": (("point", "axis"), found.force, {"units": "N"})}),
-            **(
-                {}
-                if found.closure_force is None
-                else {"closure_force": (("closure", "wrench"), found.closure_force, {"units": "N, N m"})}
-            ),
+            **{
+                name: (axes, getattr(found, name), attributes)
+                for name, (axes, attributes) in _VARIABLES.items()
+                if getattr(found, name) is not None
+            },
         },
         {**labels(found), "body_axis": AXES},
         {
@@ -83,10 +73,7 @@ def contents(found: Statics) -> Contents:
 def stored(path: str | Path) -> dict[str, Any]:
     """Return the attributes of the equilibrium that a file holds.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is not a stored equilibrium.
+    Raise InvalidFile if the file is not a stored equilibrium.
     """
     data = load(path, "statics")
     arm = model_of(data, path)
@@ -96,14 +83,14 @@ def stored(path: str | Path) -> dict[str, Any]:
         for name in parts
         for what, axes, _ in _PART_VARIABLES
     }
-    closing = {"closure_force": ("closure", "wrench")} if arm.closures else {}
-    require(path, data, {**_VARIABLES, **of_parts, **closing}, counts(arm))
+    needed = [*_ALWAYS, *(["closure_force"] if arm.closures else [])]
+    require(path, data, {**{name: _VARIABLES[name][0] for name in needed}, **of_parts}, counts(arm))
     told = ["backend", "iterations", "load_steps", "residual_N"]
     told += ["redundant_conditions"] if arm.closures else []
     with reading(path, "a stored equilibrium"):
         return {
             "arm": arm,
-            **{name: frozen(data[name].values) for name in _VARIABLES},
+            **{name: frozen(data[name].values) for name in _ALWAYS},
             "solver": {k: data.attrs[k] for k in told},
             "parts": {
                 name: PartShape(*(frozen(data[f"{name}_{what}"].values) for what, _, _ in _PART_VARIABLES))

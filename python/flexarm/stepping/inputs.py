@@ -24,19 +24,9 @@ _KINDS = {
 
 
 class Inputs:
-    """Turns what the user tells joints by name into rows for the core.
+    """Turns what the user tells joints by name, as `Stepper` takes it, into rows for the core.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    told : dict of str to str
-        As `Stepper` takes it.
-
-    Raises
-    ------
-    InvalidParameter
-        If a joint does not exist or cannot be told that.
+    Raise InvalidParameter if a joint does not exist or cannot be told that.
     """
 
     def __init__(self, arm: Arm, told: Mapping[str, str]) -> None:
@@ -104,10 +94,7 @@ class Inputs:
 def _checked(name: str, value: Input, is_angle: bool) -> Floats:
     """Return a number that is no float, or an angle with rate and acceleration, as a row.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is neither, or not finite.
+    Raise InvalidParameter if it is neither, or not finite.
     """
     allowed = "a finite number" + (
         " or (angle, rate, acceleration)" if is_angle else " [N m, N if prismatic]"

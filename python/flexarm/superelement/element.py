@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -206,8 +207,6 @@ class SuperElement:
 
     def replace(self, **changes: Any) -> SuperElement:
         """Return a copy with some fields changed."""
-        import dataclasses
-
         return dataclasses.replace(self, **changes)
 
     def recover(self, coordinates: ArrayLike) -> Floats:

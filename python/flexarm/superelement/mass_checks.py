@@ -26,8 +26,6 @@ from flexarm.superelement.scaling import radius_of_gyration, size_of
 if TYPE_CHECKING:
     from flexarm.superelement.element import SuperElement
 
-STATED_MASS = 1e-3
-"""Share by which the mass may differ from a stated one: a weighing, a mesh with facets for curves."""
 
 DENSITY = (1e-3, 1e7)
 """Mass over the cube of the radius of gyration [kg/m3]."""
@@ -87,9 +85,11 @@ def unlikely_density(element: SuperElement) -> Iterator[Problem]:
 
 def other_mass(element: SuperElement, stated: float | None) -> Iterator[Problem]:
     """Compare the mass with the stated one."""
-    if stated is not None and not abs(element.mass_total - stated) <= STATED_MASS * abs(stated):
+    # Share by which the mass may differ from a stated one: a weighing, a mesh with facets for curves.
+    stated_mass = 1e-3
+    if stated is not None and not abs(element.mass_total - stated) <= stated_mass * abs(stated):
         what = f"R^T M R weighs {element.mass_total:.6g} kg, stated are {stated:.6g} kg"
-        yield Problem("mass", f"{what}; they may differ by {100 * STATED_MASS:g} %")
+        yield Problem("mass", f"{what}; they may differ by {100 * stated_mass:g} %")
 
 
 def outside(element: SuperElement) -> Iterator[Problem]:

@@ -22,8 +22,6 @@ COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#F
 """Okabe and Ito's, told apart by everyone."""
 BODY = "#c8ccd0"
 AXES = ("#c00000", "#007000", "#0000c0")
-VIEWS = ((25.0, -60.0), (-25.0, 120.0))
-"""Elevation and azimuth [deg]: from above, and from below on the other side."""
 
 
 def picture(
@@ -39,10 +37,12 @@ def picture(
 
     from flexarm.solids.shape import surface
 
+    # Elevation and azimuth [deg]: from above, and from below on the other side.
+    views = ((25.0, -60.0), (-25.0, 120.0))
     faces = surface(mesh)
     figure = Canvas(figsize=(10.5, 5.2), layout="constrained")
     of_face, loose = _colours(faces, sets, mesh.n_points)
-    for k, (elevation, azimuth) in enumerate(VIEWS, 1):
+    for k, (elevation, azimuth) in enumerate(views, 1):
         axes: Any = figure.add_subplot(1, 2, k, projection="3d", computed_zorder=False)
         _faces(axes, mesh, faces, of_face)
         for name, colour in zip(sets, _cycle(len(sets)), strict=True):
@@ -64,10 +64,7 @@ def picture(
 def save_picture(figure: Figure, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
     """Write the picture; its kind follows the name's ending, and no input is replaced.
 
-    Raises
-    ------
-    InvalidFile
-        If the file exists and `force` is not set, or cannot be written.
+    Raise InvalidFile if the file exists and `force` is not set, or cannot be written.
     """
     refuse_existing(Path(path), force, inputs)
     image = BytesIO()

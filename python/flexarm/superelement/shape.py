@@ -18,11 +18,6 @@ from flexarm.tables.table import check_label
 if TYPE_CHECKING:
     from flexarm.superelement.element import SuperElement
 
-SYMMETRY = 1e-6
-"""Part of sqrt(a_ii a_jj) by which a_ij and a_ji may differ: single precision is good to 1e-7."""
-
-ORTHONORMAL = 1e-6
-"""How far R^T R may be from 1: frames printed with seven digits pass."""
 
 HUGE = 1e30
 """No entry is as large: moduli end at 1e18 Pa, lengths at 1e10 m (`flexarm.tables.ranges`). The largest entry
@@ -99,9 +94,10 @@ def _not_finite(element: SuperElement) -> Iterator[Problem]:
 
 
 def _frames(element: SuperElement) -> Iterator[Problem]:
+    orthonormal = 1e-6  # how far R^T R may be from 1: frames printed with seven digits pass
     for name, rotation in zip(element.interfaces, element.rotations, strict=True):
         off = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
-        if off > ORTHONORMAL:
+        if off > orthonormal:
             what = f"the axes of {name!r} must be orthonormal, got R^T R off by {off:.3g}"
             yield Problem("interface_rotation", what)
         elif np.linalg.det(rotation) < 0:
@@ -121,9 +117,11 @@ def _asymmetry(element: SuperElement) -> Iterator[Problem]:
 
 def asymmetric_entry(matrix: Floats) -> tuple[int, int] | None:
     """Return the place where a matrix is most asymmetric, or None if it is symmetric to rounding."""
+    # Part of sqrt(a_ii a_jj) by which a_ij and a_ji may differ: single precision is good to 1e-7.
+    symmetry = 1e-6
     scale = np.sqrt(np.abs(np.diag(matrix)))
     rounding = 1e-4 * np.abs(matrix).max(initial=0)  # where a row is nothing else
-    off = np.abs(matrix - matrix.T) - SYMMETRY * np.maximum(np.outer(scale, scale), rounding)
+    off = np.abs(matrix - matrix.T) - symmetry * np.maximum(np.outer(scale, scale), rounding)
     if not (off > 0).any():
         return None
     i, j = np.unravel_index(off.argmax(), off.shape)

@@ -30,19 +30,17 @@ from flexarm.superelement.scaling import size_of, unit_diagonal
 if TYPE_CHECKING:
     from flexarm.superelement.element import SuperElement
 
-NAMED = 6
-"""How many freedoms a message names."""
-
 
 def strained_by_rigid_motion(element: SuperElement, tolerance: float) -> Iterator[Problem]:
     """Report freedoms that violate K R = 0, the worst first."""
+    named = 6  # how many freedoms a message names
     if element.n_interfaces == 1 and not element.n_modes:  # a rigid body: K is rounding, there is no scale
         return
     error = rigid_body_error(element)
     bad = np.flatnonzero(error > tolerance)
     if not len(bad):
         return
-    worst = bad[np.argsort(-error[bad], kind="stable")][:NAMED]
+    worst = bad[np.argsort(-error[bad], kind="stable")][:named]
     places = "; ".join(f"{freedom(int(i), element.interfaces)} ({error[i]:.2g})" for i in worst)
     more = f" and {len(bad) - len(worst)} more" if len(bad) > len(worst) else ""
     yield Problem(

@@ -21,10 +21,7 @@ _core: Any = _typed_core
 def von_mises(element: SuperElement, mesh: SolidMesh, coordinates: ArrayLike) -> Floats:
     """Return the von Mises stress at all points [Pa], averaged over the cells that meet there.
 
-    Raises
-    ------
-    InvalidParameter
-        If the super-element holds no recovery matrix, or not one of this mesh.
+    Raise InvalidParameter if the super-element holds no recovery matrix, or not one of this mesh.
     """
     displacements = element.recover(coordinates)
     if len(displacements) != mesh.n_points:

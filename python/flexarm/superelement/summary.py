@@ -14,9 +14,6 @@ from flexarm.superelement.stiffness_checks import rigid_body_error
 if TYPE_CHECKING:
     from flexarm.superelement.element import SuperElement
 
-SHOWN = 12
-"""Modes that are listed line by line."""
-
 
 _TOLD = (
     "backend",
@@ -96,6 +93,7 @@ def _rounded(position: Floats) -> Floats:
 
 
 def _modes(element: SuperElement) -> Iterator[str]:
+    shown = 12  # modes that are listed line by line
     if not element.n_modes:
         yield "  no internal modes: static shapes only (Guyan)"
         return
@@ -105,14 +103,14 @@ def _modes(element: SuperElement) -> Iterator[str]:
     if told:
         heading += f"  {'effective mass x, y, z [%]':>28}  {'residual [-]':>12}"
     yield heading + "    (all interfaces held)"
-    for i, frequency in enumerate(element.frequency_hz[:SHOWN]):
+    for i, frequency in enumerate(element.frequency_hz[:shown]):
         line = f"  {i + 1:4d} {frequency:15.6g}"
         if told:
             shares = 100 * masses[i, :3] / element.mass_total
             line += f"  {shares[0]:10.2f}{shares[1]:9.2f}{shares[2]:9.2f}  {residuals[i]:12.1e}"
         yield line
-    if element.n_modes > SHOWN:
-        yield f"   ... {element.n_modes - SHOWN} more up to {element.frequency_hz[-1]:.6g} Hz"
+    if element.n_modes > shown:
+        yield f"   ... {element.n_modes - shown} more up to {element.frequency_hz[-1]:.6g} Hz"
 
 
 def _trust(element: SuperElement) -> Iterator[str]:

@@ -15,19 +15,12 @@ from flexarm.tables.place import dotted, field_at, line_in, without_tags
 AnyTable = TypeVar("AnyTable", bound=BaseModel)
 
 
-MOST_LISTED = 1000
-"""Problems that one error lists; a last line counts the others."""
-
-
 def check_table(
     table: type[AnyTable], data: dict[str, Any], file: str | FilePath | None = None, text: str = ""
 ) -> AnyTable:
     """Return `data`, what a TOML file holds, as a `table`; file and its text are for messages.
 
-    Raises
-    ------
-    InvalidFile, InvalidParameter
-        With all problems found; InvalidParameter without a file.
+    Raise InvalidFile or InvalidParameter with all problems found; InvalidParameter without a file.
     """
     try:
         return table.model_validate(data)
@@ -41,9 +34,10 @@ def check_table(
 
 def refuse(found: list[tuple[Path, str]], data: dict[str, Any], file: str | FilePath, text: str) -> None:
     """Raise InvalidFile with the pairs of place and sentence, if there are any."""
-    problems = [Problem(dotted(path, data), what, line_in(text, path)) for path, what in found[:MOST_LISTED]]
-    if len(found) > MOST_LISTED:
-        problems.append(Problem("file", f"has {len(found) - MOST_LISTED} more problems"))
+    most_listed = 1000  # problems that one error lists; a last line counts the others
+    problems = [Problem(dotted(path, data), what, line_in(text, path)) for path, what in found[:most_listed]]
+    if len(found) > most_listed:
+        problems.append(Problem("file", f"has {len(found) - most_listed} more problems"))
     if problems:
         first = problems[0]
         raise InvalidFile(file, first.where, first.what, line=first.line, problems=tuple(problems))

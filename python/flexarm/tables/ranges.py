@@ -28,15 +28,15 @@ RANGES: dict[str, tuple[float, float]] = {
     "-": (1e-12, 1e12),
 }
 """Smallest magnitude but zero, and largest, of values in a unit."""
-OTHERS = (1e-18, 1e18)
-"""The same of all other units: forces, rates, gains, values in the unit of a signal."""
 NEVER_ZERO_ALONE = ("m2", "m4")
 """Units of vectors whose components are sizes, not coordinates, and must not be small either."""
 
 
 def range_of(unit: str) -> tuple[float, float]:
     """Return the smallest magnitude but zero, and the largest, of values in `unit`."""
-    return RANGES.get(unit, OTHERS)
+    # The same of all other units: forces, rates, gains, values in the unit of a signal.
+    others = (1e-18, 1e18)
+    return RANGES.get(unit, others)
 
 
 def out_of_range(value: Any, unit: str, *, size: bool) -> str | None:

@@ -153,10 +153,7 @@ class Table(BaseModel):
     def replace(self, **changes: Any) -> Self:
         """Return a changed copy, checked like a new one.
 
-        Raises
-        ------
-        InvalidParameter
-            If the changed table is not allowed.
+        Raise InvalidParameter if the changed table is not allowed.
         """
         unknown = sorted(set(changes) - set(type(self).model_fields))
         if unknown:

@@ -16,10 +16,7 @@ from flexarm.reading import regular_file
 def read_text(file: Path) -> str:
     """Return the text of a file (UTF-8).
 
-    Raises
-    ------
-    InvalidFile
-        If it is missing, a directory, not readable or not a text in UTF-8.
+    Raise InvalidFile if it is missing, a directory, not readable or not a text in UTF-8.
     """
     if kind := foreign_kind(file):
         raise InvalidFile(file, "file", kind)

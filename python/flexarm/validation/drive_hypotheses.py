@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arm.gears import coupled_joints, shaft_ratio
+from flexarm.arm.joint import coupled_joints, shaft_ratio
 from flexarm.arm.sizes import LONGEST
 from flexarm.measurement.torque import gear_ratio
 from flexarm.record.plausibility import FARTHEST

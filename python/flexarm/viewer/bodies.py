@@ -50,17 +50,7 @@ Meshes = dict[str, Surface]
 
 
 class Bodies:
-    """What an arm is drawn as.
-
-    Parameters
-    ----------
-    skeleton : Skeleton
-        Its bones.
-    size : float
-        Of the whole [m], by which joints and points are drawn.
-    meshes : dict of str to Surface
-        Surfaces of links, from files.
-    """
+    """Bones of an arm with meshes of links; joints and points are drawn by the size of the whole [m]."""
 
     def __init__(self, skeleton: Skeleton, size: float, meshes: Meshes | None = None) -> None:
         self.arm: Arm = skeleton.arm

@@ -9,9 +9,6 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 
-APART = 2.5
-"""Median intervals between rows beyond which nothing is drawn between them."""
-
 
 @dataclass(frozen=True)
 class Measured:
@@ -30,13 +27,14 @@ class Measured:
 
     def gap(self, time: Floats) -> Floats:
         """Return it at other instants [m], shape (m, 3): joined by lines, NaN where rows are missing."""
+        apart = 2.5  # median intervals between rows beyond which nothing is drawn between them
         known = np.isfinite(self.away).all(axis=1)
         at, away = self.time[known], self.away[known]
         if len(at) < 2:
             return np.full((len(time), 3), np.nan)
         found = np.stack([np.interp(time, at, column, np.nan, np.nan) for column in away.T], axis=1)
         after = np.clip(np.searchsorted(at, time), 1, len(at) - 1)
-        found[at[after] - at[after - 1] > APART * float(np.median(np.diff(at)))] = np.nan
+        found[at[after] - at[after - 1] > apart * float(np.median(np.diff(at)))] = np.nan
         return found
 
 

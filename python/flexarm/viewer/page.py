@@ -16,17 +16,11 @@ from flexarm.viewer.scene import Clip, Scene, nice
 from flexarm.viewer.skeleton import quaternions
 from flexarm.viewer.solids import Skin
 
-CELLS = 24
-"""Least number of cells of the ground's grid along the scene."""
-
 
 def page(scene: Scene) -> str:
     """Return the page.
 
-    Raises
-    ------
-    InvalidParameter
-        If Meshcat is not installed.
+    Raise InvalidParameter if Meshcat is not installed.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
@@ -62,11 +56,12 @@ def _script(text: str) -> str:
 
 
 def _plain(scene: Scene) -> dict[str, Any]:
+    cells = 24  # least number of cells of the ground's grid along the scene
     box = scene.box
     # A scene that is flat still needs room around it.
     size = float(np.linalg.norm(box[1] - box[0]))
     cell = nice(max(size, 1e-9) / 8)
-    divisions = 2 * int(np.ceil(max(CELLS / 2, 0.75 * size / cell)))
+    divisions = 2 * int(np.ceil(max(cells / 2, 0.75 * size / cell)))
     centre = cell * np.round(box.mean(axis=0) / cell)
     ground = min(0.0, float(box[0, 2]))
     return {

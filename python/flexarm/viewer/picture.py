@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,17 +24,12 @@ GHOSTS = ("rigid arm", "equilibrium")
 NAMED = ("joints", "payloads", "points")
 COLUMNS = 3
 """Of a figure of several modes."""
-WIDEST = 48
-"""Line of a title, in letters."""
 
 
 def draw(of: Any, ax: Axes | None = None, **options: Any) -> Axes:
     """Draw an arm, an equilibrium or modes with Matplotlib, with the options of its method `plot`.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is nothing of these.
+    Raise InvalidParameter if it is nothing of these.
     """
     if isinstance(of, Statics):
         return _one(of_statics(of, **options), 0, ax)
@@ -143,6 +139,5 @@ def _names(axes: Axes, scene: Scene, R: Floats, x: Floats, plane: tuple[int, int
 
 
 def _wrapped(text: str) -> str:
-    from textwrap import fill
-
-    return "\n".join(fill(line, WIDEST) for line in text.splitlines())
+    widest = 48  # line of a title, in letters
+    return "\n".join(fill(line, widest) for line in text.splitlines())

@@ -22,6 +22,8 @@ class Style:
     arrow: float = 0.14
     shown_deformation: float = 0.06
     shown_mode: float = 0.12
+    most_turned: float = 0.4
+    """Greatest rotation of a drawn mode [rad]: beyond, straight displacements tear turning parts off."""
     shown_gap: float = 0.1
     payload_density: float = 7850.0
     frames_per_second: float = 30.0
@@ -70,28 +72,17 @@ class Label:
 
 @dataclass(frozen=True)
 class Clip:
-    """A motion of the bones.
-
-    Attributes
-    ----------
-    name, text : str
-        Of the motion, and what is to be known of it.
-    time : ndarray, shape (m,)
-        Instants of the frames [s], as they are played.
-    poses : Poses
-        Of all bones.
-    shown_time : ndarray, shape (m,), or None
-        What the slider tells instead of `time` [s].
-    loops : bool
-        The last frame is followed by the first.
-    """
+    """A motion of the bones."""
 
     name: str
     time: Floats
+    """Instants of the frames [s], as they are played, shape (m,)."""
     poses: Poses
     text: str = ""
     shown_time: Floats | None = None
+    """What the slider tells instead of `time` [s], shape (m,)."""
     loops: bool = False
+    """The last frame is followed by the first."""
 
 
 @dataclass(frozen=True)

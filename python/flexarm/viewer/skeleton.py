@@ -64,18 +64,10 @@ class Bone:
 
 
 class Skeleton:
-    """The bones of an arm, and the arm with a point at each of them, behind its own points.
+    """The bones of an arm in the order of poses, and the arm with a point at each of them, behind its own.
 
-    Attributes
-    ----------
-    arm : Arm
-        The model.
-    bones : tuple of Bone
-        In the order of poses.
-    along : dict of str to list of int
-        Bones of each link: along a beam, at the interfaces of a super-element, the frame of a rigid link.
-    loads, points : dict of str to int
-        Bones of payloads, at their centres, and of points.
+    `along` has the bones of each link: along a beam, at the interfaces of a super-element, the frame of a
+    rigid link. `loads` and `points` are bones of payloads, at their centres, and of points.
     """
 
     def __init__(self, arm: Arm) -> None:

@@ -28,23 +28,22 @@ from flexarm.wording import number, with_unit
 if TYPE_CHECKING:
     from flexarm.viewer.measured import Measured
 
-SWEEP, SWEEP_SECONDS = 0.6, 4.0
-"""Turn with which the page of a model moves one joint [rad], and how long that takes [s]."""
-
 
 def of_arm(arm: Arm, joints: Mapping[str, float] | None = None, meshes: Meshes | None = None) -> Scene:
     """Return the undeformed arm at drive angles [rad, m], and each joint moved alone."""
+    # Turn with which the page of a model moves one joint [rad], and how long that takes [s].
+    sweep, sweep_seconds = 0.6, 4.0
     skeleton, angles = Skeleton(arm), at_rest(arm, joints or {})
     still = skeleton.rigid(angles)
     size = _size(still.x)
     clips = [Clip("at rest", np.zeros(1), still, "the undeformed arm, without effects")]
     looped = loop_joints(arm)
-    time = np.linspace(0, SWEEP_SECONDS, 2 * STYLE.mode_frames)
+    time = np.linspace(0, sweep_seconds, 2 * STYLE.mode_frames)
     for i, joint in enumerate(arm.joints):
         if joint.moves and joint.name not in {gear.output for gear in arm.gears}:
-            reach = SWEEP if joint.type == "revolute" else 0.15 * size
+            reach = sweep if joint.type == "revolute" else 0.15 * size
             moved = np.repeat(angles, len(time), axis=0)
-            moved[:, i] += reach * np.sin(2 * np.pi * time / SWEEP_SECONDS)
+            moved[:, i] += reach * np.sin(2 * np.pi * time / sweep_seconds)
             moved = _closed(arm, moved[:, i], joint.name) if joint.name in looped else _geared(arm, moved)
             text = f"{joint.name} moved by {with_unit(reach, 'rad' if joint.type == 'revolute' else 'm')}"
             if len(moved):
@@ -84,27 +83,18 @@ def of_statics(found: Statics, scale: float | None = None, meshes: Meshes | None
 def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
     """Return the mode shapes about the equilibrium, slowed so that one period takes two seconds.
 
-    Raises
-    ------
-    InvalidParameter
-        If the modes do not say where the arm stood, as those that older versions stored.
+    Raise InvalidParameter if the modes do not say where the arm stood, as those that older versions stored.
     """
-    refuse_closures(found.arm, "the page of modes")
-    if found.drive_angle is None:
-        raise InvalidParameter("were stored without the pose of the arm; compute them again", where="modes")
-    skeleton = Skeleton(found.arm)
-    joints = drive_angles(found.arm, found.drive_angle)
-    arm = skeleton.seen if found.with_gravity else skeleton.seen.replace(gravity=(0.0, 0.0, 0.0))
-    still = static(arm, joints)
-    rest = Poses(still.rotation[None], still.position[None])[:, skeleton.chosen]
-    shapes = modes(skeleton.seen, joints, len(found.frequency_hz), found.with_gravity)
+    skeleton, rest, shapes = _shapes(found)
+    assert found.drive_angle is not None  # without it there are no shapes
     size = _size(rest.x)
     clips = []
     bodies = Bodies(skeleton, size, meshes)
-    words = told(bodies, rest, shapes.shape[:, skeleton.chosen])
-    for i, frequency in enumerate(found.frequency_hz):
-        shape = shapes.shape[i, skeleton.chosen]
-        amplitude = STYLE.shown_mode * size / max(_farthest(shape[None, :, :3]), np.finfo(float).tiny)
+    words = told(bodies, rest, shapes)
+    for i, (frequency, shape) in enumerate(zip(found.frequency_hz, shapes, strict=True)):
+        least = np.finfo(float).tiny
+        amplitude = STYLE.shown_mode * size / max(_farthest(shape[:, :3]), least)
+        amplitude = min(amplitude, STYLE.most_turned / max(_farthest(shape[:, 3:]), least))
         phase = 2 * np.pi * np.arange(STYLE.mode_frames) / STYLE.mode_frames
         swing = amplitude * np.sin(phase)[:, None, None]
         poses = Poses(np.repeat(rest.R, len(phase), axis=0), np.repeat(rest.x, len(phase), axis=0))
@@ -122,6 +112,32 @@ def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
     notes = ("amplitudes are free: shapes are drawn so that they show", _angles(found.arm, found.drive_angle))
     layer = Layer("equilibrium", STYLE.ghost, "equilibrium")
     return _scene(f"{found.arm.name}: modes", notes, bodies, both, ghost, [layer])
+
+
+def moving_parts(found: Modes) -> list[str]:
+    """Return a phrase on each mode: which joint or link gives most of it, and the direction of the motion.
+
+    Raises
+    ------
+    InvalidParameter
+        As of `of_modes`.
+    """
+    skeleton, rest, shapes = _shapes(found)
+    return told(Bodies(skeleton, _size(rest.x), None), rest, shapes)
+
+
+def _shapes(found: Modes) -> tuple[Skeleton, Poses, Floats]:
+    """Return the bones, where they rest, and how they move in each mode, (mode, bone, 6)."""
+    refuse_closures(found.arm, "the page of modes")
+    if found.drive_angle is None:
+        raise InvalidParameter("were stored without the pose of the arm; compute them again", where="modes")
+    skeleton = Skeleton(found.arm)
+    joints = drive_angles(found.arm, found.drive_angle)
+    arm = skeleton.seen if found.with_gravity else skeleton.seen.replace(gravity=(0.0, 0.0, 0.0))
+    still = static(arm, joints)
+    rest = Poses(still.rotation[None], still.position[None])[:, skeleton.chosen]
+    shapes = modes(skeleton.seen, joints, len(found.frequency_hz), found.with_gravity)
+    return skeleton, rest, shapes.shape[:, skeleton.chosen]
 
 
 def of_simulation(

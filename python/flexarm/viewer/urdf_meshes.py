@@ -28,10 +28,7 @@ def urdf_meshes(path: Path) -> Meshes:
 
     Mesh files that are not there, or that no reader is installed for, are left out: such links are sticks.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is no URDF.
+    Raise InvalidFile if the file is no URDF.
     """
     from xml.etree import ElementTree
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import Any
 
 from flexarm.arguments import FLAG, PATH, takes
@@ -15,6 +16,7 @@ from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.result import Diagnosis
 from flexarm.errors import InvalidParameter
 from flexarm.modal import Modes
+from flexarm.output import refuse_existing, write_file
 from flexarm.record import Record
 from flexarm.simulation import Simulation
 from flexarm.solids import SolidMesh
@@ -32,13 +34,7 @@ HEIGHT = 620
 
 
 class View:
-    """One page in three dimensions, which shows itself in a notebook.
-
-    Attributes
-    ----------
-    scene : Scene
-        What it shows.
-    """
+    """A scene as one page in three dimensions, which shows itself in a notebook."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -66,15 +62,12 @@ class View:
         InvalidFile
             If the file exists and `force` is not set, or cannot be written.
         """
-        from flexarm.output import refuse_existing, write_file
-
         refuse_existing(Path(path), force, inputs)
         write_file(path, self.html)
 
     def open(self) -> Path:
         """Open the page in the browser, from a temporary file, and return that file."""
         import webbrowser
-        from tempfile import mkdtemp
 
         file = Path(mkdtemp(prefix="flexarm-")) / "view.html"
         file.write_text(self.html, encoding="utf-8")
@@ -92,10 +85,7 @@ class View:
 def view(of: Any, **options: Any) -> View:
     """Return the page of a model, a part, a result or a diagnosis, with the options of its method `view`.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is nothing of these.
+    Raise InvalidParameter if it is nothing of these.
     """
     for kind, made in _MADE.items():
         if isinstance(of, kind):
@@ -161,7 +151,8 @@ def of_record(arm: Arm, record: Record, scale: float = 1.0, urdf: str | Path | N
 
 def _motion(record: Record) -> Record:
     if record.kind != "motion":
-        raise InvalidParameter("holds poses; only motions are shown", where="record")
+        held = {"static": "poses", "frequency_response": "frequency responses"}[record.kind]
+        raise InvalidParameter(f"holds {held}; only motions are shown", where="record")
     return record
 
 

@@ -7,8 +7,7 @@ from pytest import approx
 import flexarm
 from flexarm import _core
 from flexarm.cli.run import run
-from flexarm.example.files import GAP
-from flexarm.example.motion import joined
+from flexarm.example.files import GAP, joined
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flexarm.drive import Drive
-from flexarm.example.motion import joined
+from flexarm.example.files import joined
 from flexarm.record import Record, Signal
 from flexarm.validation.outliers import clean_drives, drive_spikes
 

@@ -21,11 +21,6 @@ from flexarm.importing.stamps import CALENDAR
 from flexarm.reading import reading
 from flexarm.units import factor_to
 
-MOST_LABELS = 20
-"""Different texts of a column that labels rows, such as the names of points."""
-USUAL_INTERVAL = (1e-5, 2.0)
-"""Intervals at which logs are sampled [s], from 0.5 Hz to 100 kHz."""
-
 
 @dataclass(frozen=True)
 class Stamped:
@@ -86,10 +81,7 @@ class Logged:
 def logged(path: Path, named: str) -> list[Logged]:
     """Return the columns of numbers of a log.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, or holds no numbers.
+    Raise InvalidFile if it cannot be read, or holds no numbers.
     """
     found: list[Logged] = []
     with reading(path, "a log"):
@@ -151,13 +143,14 @@ def _texts(source: Source, group: Group, columns: Sequence[str | int]) -> dict[s
 
 def _labels(texts: Mapping[str | int, list[str]]) -> dict[str | int, list[str]]:
     """Return the columns that tell few kinds of rows apart; numbers at the end of many names become `*`."""
+    most_labels = 20  # different texts of a column that labels rows, such as the names of points
     found = {}
     for column, rows in texts.items():
-        many = len(set(rows)) > MOST_LABELS
+        many = len(set(rows)) > most_labels
         labels = [re.sub(r"\d+$", "*", row) for row in rows] if many else rows
-        if 1 < len(set(labels)) <= MOST_LABELS:
+        if 1 < len(set(labels)) <= most_labels:
             found[column] = labels
-    return found if len(set(zip(*found.values(), strict=True))) <= MOST_LABELS else {}
+    return found if len(set(zip(*found.values(), strict=True))) <= most_labels else {}
 
 
 def _rows(
@@ -219,9 +212,10 @@ def _stamps(
 ) -> Stamped:
     if texts is not None and (np.diff(texts.seconds[rows]) > 0).all():
         columns = texts.columns if len(texts.columns) > 1 else texts.columns[0]
-        found = _seconds(columns, texts.seconds[rows], None, "s", "they read as dates and times")
+        found = _seconds(columns, texts.seconds[rows], "s", "", "its texts read as dates and times")
         return replace(found, unit=None, form=texts.form, unknown=texts.unknown)
     rising = [c for c, v in arrays.items() if len(v) > 1 and np.isfinite(v).all() and (np.diff(v) > 0).all()]
+    rising.sort(key=lambda c: bool((np.diff(arrays[c]) == 1).all()))  # numbers of rows come last
     by_name = [column for column in rising if isinstance(column, str) and is_stamp(column)]
     if by_name or (rising and group.time is None and shared is None):
         column = (by_name or rising)[0]
@@ -229,7 +223,7 @@ def _stamps(
         samples = source.read(request)
         said = dict(zip(_columns(group), group.units, strict=False)).get(column, "")
         hint = unit_in(str(column), said)
-        why = "its name" if by_name else "the first column that rises throughout"
+        why = "its name" if by_name else "the first column that rises throughout and does not number rows"
         assert samples.time is not None
         unknown = "" if by_name else "whether these are the stamps"
         return _seconds(column, samples.time[rows], samples.time_unit, hint, why, unknown)
@@ -270,6 +264,7 @@ def _seconds(
 
 def _unit_by_size(time: Floats) -> tuple[str, str]:
     """Return a unit and why; without a reason where several fit."""
+    usual_interval = (1e-5, 2.0)  # intervals at which logs are sampled [s], from 0.5 Hz to 100 kHz
     interval = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
     for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)):
         if CALENDAR < time[:1].sum() * factor < 1e2 * CALENDAR:
@@ -277,7 +272,7 @@ def _unit_by_size(time: Floats) -> tuple[str, str]:
     fitting = [
         unit
         for unit, factor in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9))
-        if USUAL_INTERVAL[0] <= interval * factor <= USUAL_INTERVAL[1]
+        if usual_interval[0] <= interval * factor <= usual_interval[1]
     ]
     whole = bool(np.all(time == np.round(time)))
     if "s" in fitting and not whole:

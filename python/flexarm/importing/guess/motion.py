@@ -19,8 +19,6 @@ from flexarm.arrays import Floats
 
 ROWS = 4000
 """Instants of the grid on which motions are compared."""
-OVERLAP = 0.5
-"""Least share of the shorter motion that a lag must leave."""
 
 
 @dataclass(frozen=True)
@@ -78,17 +76,18 @@ def rigid_track(
 
 def agreement(measured: Track, predicted: Track, rows: int = ROWS) -> Agreement:
     """Return how a measured motion goes with one of the model, on a grid of so many instants."""
+    overlap = 0.5  # least share of the shorter motion that a lag must leave
     ratio = predicted.size / measured.size if measured.size > 0 else 0.0
     step = max(measured.time[-1], predicted.time[-1]) / rows
     one, other = (_speeds(track, step) for track in (measured, predicted))
     if min(len(one), len(other)) < 8 or one.std() == 0 or other.std() == 0:
         return Agreement(0.0, 0.0, ratio)
     best, lag = -1.0, 0
-    most = int((1 - OVERLAP) * min(len(one), len(other)))
+    most = int((1 - overlap) * min(len(one), len(other)))
     for k in range(-most, most + 1 + abs(len(one) - len(other))):
         a, b = one[max(k, 0) :], other[max(-k, 0) :]
         n = min(len(a), len(b))
-        if n < OVERLAP * min(len(one), len(other)):
+        if n < overlap * min(len(one), len(other)):
             continue
         a, b = a[:n] - a[:n].mean(), b[:n] - b[:n].mean()
         size = float(np.linalg.norm(a) * np.linalg.norm(b))

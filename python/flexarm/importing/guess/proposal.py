@@ -28,34 +28,20 @@ Option = tuple[str | int, bool]
 
 @dataclass
 class Proposal:
-    """A signal of the map, and why.
-
-    Attributes
-    ----------
-    columns : list of Logged
-        In the order of the channels.
-    quantity, name : str
-        Of the record's signal.
-    place : tuple of (str, str)
-        Kind and name of the place; empty name: unknown.
-    keys : dict
-        Further keys of the map.
-    why : dict of str to str
-        Key -> the reason.
-    unknown : dict of str to str
-        Key -> what is not known.
-    out : bool
-        True if it is commented out, as the map could not be read with it.
-    """
+    """A signal of the map, and why."""
 
     columns: list[Logged]
     quantity: str
     place: tuple[str, str]
+    """Kind and name of the place; empty name: unknown."""
     name: str = ""
     keys: dict[str, Any] = field(default_factory=dict)
+    """Further keys of the map."""
     why: dict[str, str] = field(default_factory=dict)
     unknown: dict[str, str] = field(default_factory=dict)
+    """By key the reason, and what is not known."""
     out: bool = False
+    """True if it is commented out, as the map could not be read with it."""
 
     @property
     def first(self) -> Logged:

@@ -35,10 +35,13 @@ class Registration:
         After both [m], (1).
     shifted : float
         After the lag and a shift alone, the axes being parallel [m].
+    mirrored : float
+        After both and a reflection, as with two of the columns exchanged [m].
     """
 
     rms: float
     shifted: float
+    mirrored: float
 
 
 def registration(arm: Arm, point: str, joints: Mapping[str, Track], measured: Track) -> Registration:
@@ -60,13 +63,15 @@ def _left(measured: Track, predicted: Track, lag: float) -> Registration:
     at = measured.time - lag
     inside = (at >= predicted.time[0]) & (at <= predicted.time[-1])
     if inside.sum() < 8:
-        return Registration(np.inf, np.inf)
+        return Registration(np.inf, np.inf, np.inf)
     y, x = _centred(measured.values[inside]), _centred(predicted.at(at[inside]))
     shifted = float(np.sqrt(np.mean(np.sum((y - x) ** 2, axis=1))))
     u, sizes, v = np.linalg.svd(y.T @ x / len(y))
-    sizes[2] *= np.sign(np.linalg.det(u @ v)) or 1.0
-    spread = float(np.mean(np.sum(y**2 + x**2, axis=1)) - 2 * sizes.sum())  # eq. (1)
-    return Registration(float(np.sqrt(max(spread, 0.0))), shifted)
+    sign, both = np.sign(np.linalg.det(u @ v)), float(np.mean(np.sum(y**2 + x**2, axis=1)))
+    proper, mirrored = (
+        float(np.sqrt(max(both - 2 * (sizes[0] + sizes[1] + s * sizes[2]), 0.0))) for s in (sign, -sign)
+    )  # eq. (1)
+    return Registration(proper, shifted, mirrored)
 
 
 def _centred(values: Floats) -> Floats:

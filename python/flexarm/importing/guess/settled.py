@@ -24,9 +24,6 @@ from flexarm.importing.workflow import gear_ratio
 from flexarm.quantities import QUANTITIES
 from flexarm.units import factor_to
 
-ALIKE = log(2.0)
-"""Units are told apart where one makes the model's motion twice as near to the measured size as another."""
-
 
 def settle_units(proposals: Sequence[Proposal], arm: Arm) -> None:
     """Give units: by name; of coordinates by size; of angles by the model's motion, family by family."""
@@ -67,6 +64,8 @@ def _moving_points(proposals: Sequence[Proposal]) -> list[Proposal]:
 
 def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Arm) -> None:
     """Choose unit and side of the gear for angles of one kind."""
+    # Units are told apart where one makes the model's motion twice as near to the measured size as another.
+    alike = log(2.0)
     rate = family[0].quantity == "joint_rate"
     stated = family[0].keys.get("unit")
     turning = any(arm.joint(p.place[1]).type == "revolute" for p in family)
@@ -82,7 +81,7 @@ def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Ar
         (best, chosen), (second, other) = found[0], found[1]
         size = seen[0].track().size
         told = f"{seen[0].place[1]} of the model then moves by {_by(best, size)} rms, measured {size:.3g} m"
-        apart = second[0] - best[0] > ALIKE
+        apart = second[0] - best[0] > alike
         _say(family, chosen, told, "" if apart else f"{words_of(other)} fits almost as well")
         return
     widest = [_widest(family, arm, option) for option in options]

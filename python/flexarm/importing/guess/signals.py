@@ -18,6 +18,7 @@ from flexarm.units import factor_to
 SCALARS = ("joint_angle", "joint_rate", "joint_command", "motor_torque", "current", "motor_voltage")
 MOTOR, OUTPUT = ("mot", "motor", "actuator"), ("se", "link", "out", "output", "secondary", "load", "arm")
 """Words of sides."""
+
 ALIKE_SPEEDS = 0.8
 """Correlation of speeds from which on columns without names are taken for a point."""
 

@@ -14,16 +14,10 @@ from flexarm.importing.guess.proposal import Option, Proposal, drives_of, in_out
 from flexarm.importing.guess.registration import Registration, registration
 from flexarm.importing.workflow import gear_ratio
 
-MOST_JOINTS = 6
-"""Joints whose signs are tried together."""
 NEARER = 0.5
 """A sign or count is taken where it leaves at most this share of what the model leaves without it."""
 ALIKE = 1.2
 """Hypotheses that leave up to so many times what the best one leaves are not told apart."""
-SIZES = (1 / 3, 3.0)
-"""Size of the model's motion over the measured one, beyond which counts are not tried."""
-STILL = 10**12
-"""Counts per turn with which a joint stands still."""
 COUNTS = tuple(
     sorted(
         {2**k for k in range(9, 25)}
@@ -50,14 +44,15 @@ class Hypothesis:
 
 def settle_signs(proposals: Sequence[Proposal], arm: Arm) -> None:
     """Give signs and counts per turn, where a point that moves was measured along three axes."""
+    most_joints = 6  # joints whose signs are tried together
     seen = _seen(proposals)
     drives = drives_of(proposals)
     known, counted = [p for p in drives if not p.counts], [p for p in drives if p.counts]
-    if seen is not None and known and len(known) <= MOST_JOINTS:
+    if seen is not None and known and len(known) <= most_joints:
         joints = {p.place[1]: in_output(p, arm) for p in known}
         left = _leaves(arm, seen, joints)
         _give_signs([Hypothesis(signs, None, left(signs)) for signs in _signs(known)], known, seen)
-    if seen is not None and counted and len(counted) <= MOST_JOINTS:
+    if seen is not None and counted and len(counted) <= most_joints:
         still, *tried = _tried_counts(arm, seen, known, counted)
         _give_counts(still, tried, counted, seen)
     for proposal in (p for p in proposals if p.counts and "unit" not in p.keys):
@@ -101,16 +96,19 @@ def _tried_counts(
     arm: Arm, seen: Proposal, known: Sequence[Proposal], counted: Sequence[Proposal]
 ) -> Iterator[Hypothesis]:
     """Yield what is left with the counted joints at rest, then with usual counts and all signs."""
+    still = 10**12  # counts per turn with which a joint stands still
+    # Size of the model's motion over the measured one, beyond which counts are not tried.
+    sizes = (1 / 3, 3.0)
     joints = {p.place[1]: in_output(p, arm) for p in known}
     geared = any(abs(gear_ratio(arm, p.place[1])) != 1 for p in counted)
     options = [(count, gear) for gear in ((True, False) if geared else (False,)) for count in COUNTS]
-    for option in [(STILL, False), *options]:
+    for option in [(still, False), *options]:
         here = joints | {p.place[1]: in_output(p, arm, option) for p in counted}
         ratio = rigid_track(arm, seen.place[1], here, range(3)).size / seen.track().size
-        if option[0] != STILL and not SIZES[0] < ratio < SIZES[1]:
+        if option[0] != still and not sizes[0] < ratio < sizes[1]:
             continue
         left = _leaves(arm, seen, here)
-        for signs in _signs(counted) if option[0] != STILL else [{}]:
+        for signs in _signs(counted) if option[0] != still else [{}]:
             yield Hypothesis(signs, option, left(signs))
 
 
@@ -123,11 +121,17 @@ def _give_signs(tried: Sequence[Hypothesis], joints: Sequence[Proposal], seen: P
     if len(in_axes) == 1 and in_axes[0] is not chosen:  # a tracker along the base's axes tells more
         chosen = in_axes[0]
         gain = chosen.left.shifted / as_is.left.shifted
+    ordered = chosen.left.rms <= NEARER * min(h.left.mirrored for h in tried)
+    if "columns" in seen.unknown and ordered:
+        seen.unknown.pop("columns")
+        seen.why["columns"] += "; x, y, z up to a turn of their axes, by how near the model comes"
     told = f"against the model's axis: {_left_of(chosen, seen)}, {_size(as_is.left.rms)} without"
     for proposal in joints:
         name = proposal.place[1]
         if name in chosen.turned and gain <= NEARER:
             proposal.keys["scale"], proposal.why["scale"] = -1.0, told
+            if "columns" in seen.unknown:
+                proposal.unknown["scale"] = f"the sign holds if the columns of {seen.place[1]} are x, y, z"
         elif name in chosen.turned:
             proposal.unknown["scale"] = f"the sign; with -1 {_left_of(chosen, seen)}"
         others = [set(h.turned) ^ set(chosen.turned) for h in alike if h is not chosen]

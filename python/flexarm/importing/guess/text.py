@@ -14,9 +14,6 @@ from flexarm.importing.map_file import FORMAT
 if TYPE_CHECKING:
     from flexarm.importing.guess.proposal import Proposal
 
-MOST_LISTED = 40
-"""Columns that are not taken and listed one by one."""
-
 
 def map_text(
     model: str,
@@ -103,14 +100,15 @@ def _signal(proposal: Proposal, clocks: Mapping[str, str]) -> Iterator[str]:
 
 
 def _left(left: Sequence[Logged]) -> Iterator[str]:
+    most_listed = 40  # columns that are not taken and listed one by one
     yield "# Columns that are not taken:"
-    for column in left[:MOST_LISTED]:
+    for column in left[:most_listed]:
         topic = f", {column.topic}" if column.topic is not None else ""
         what = f"may be {column.meaning.quantity}" if column.meaning.quantity else "unknown"
         what += f", always {column.values[0]:g}" if column.rests else ""
         yield f"# {column.file}{topic}: {_value(column.column)}: {what}".replace("\n", " ")
-    if len(left) > MOST_LISTED:
-        yield f"# and {len(left) - MOST_LISTED} more"
+    if len(left) > most_listed:
+        yield f"# and {len(left) - most_listed} more"
 
 
 def _key(key: str) -> str:

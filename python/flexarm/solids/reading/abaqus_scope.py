@@ -17,7 +17,6 @@ from flexarm.decks.keywords import Keyword
 
 Key = tuple[str, int]
 #: A range of more numbers than this is looked up among the nodes or cells that there are.
-MANY = 1_000_000
 Value = TypeVar("Value")
 
 
@@ -91,13 +90,14 @@ class Scope:
 
         A range longer than any list of nodes, as in `1, 99999999`, means those `there` that it spans.
         """
+        many = 1_000_000
         found: list[Key] = []
         for line, values in keyword.rows:
             if "GENERATE" in keyword.parameters:
                 span = keyword.span(line, values)
                 numbers = (
                     span
-                    if len(span) < MANY
+                    if len(span) < many
                     else [n for owner, n in there if owner == instance.upper() and n in span]
                 )
                 found += [(instance.upper(), n) for n in numbers]

@@ -18,7 +18,6 @@ from flexarm.errors import InvalidFile
 from flexarm.solids.reading.content import Content
 from flexarm.solids.reading.through_meshlane import blocks_of, read_by
 
-_MOST_NUMBERS = 1000
 _NOT_GROUPS = re.compile(r"vtkOriginal|GlobalNodeId|GlobalElementId|GlobalCellId|vtkGhost", re.IGNORECASE)
 
 
@@ -45,13 +44,14 @@ def _content(path: Path) -> Content:
 
 
 def _groups(name: str, parts: list[Any]) -> dict[str, dict[int, Ints]]:
+    most_numbers = 1000
     whole: Any = np.concatenate(parts) if parts else np.empty(0)
     if whole.ndim != 1 or whole.dtype.kind not in "iub" or not whole.size:
         return {}
     if _is_mask(whole):
         return {name: {i: np.flatnonzero(part) for i, part in enumerate(parts)}}
     numbers = np.unique(whole)
-    if len(numbers) > min(_MOST_NUMBERS, max(1, len(whole) // 2)):  # numbers of cells, not of groups
+    if len(numbers) > min(most_numbers, max(1, len(whole) // 2)):  # numbers of cells, not of groups
         return {}
     return {
         f"{name}-{number}": {i: np.flatnonzero(part == number) for i, part in enumerate(parts)}

@@ -10,14 +10,12 @@ import numpy as np
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidParameter
 from flexarm.material import Material
+from flexarm.solids.cell_types import CELL_TYPES
 from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.revolve.lines import SAME, Lines
 from flexarm.solids.revolve.plan import plan_of
 from flexarm.solids.revolve.profile import Block, BoltCircle, Patch
-from flexarm.solids.revolve.second_order import with_middle_points
 from flexarm.solids.revolve.selection import point_sets
-
-FEWEST_AROUND = 8
 
 
 def revolved(
@@ -137,14 +135,15 @@ def _lines(
 
 
 def _around(radii: Lines, size: float, wanted: int | None, patches: Iterable[object]) -> int:
+    fewest_around = 8
     step = 4 if radii.values[0] == 0 else 1
     if wanted is None:
         bolts = lcm(step, *(p.count for p in patches if isinstance(p, BoltCircle)))
-        least = max(FEWEST_AROUND, ceil(2 * pi * radii.values[-1] / size * (1 - 1e-9)))
+        least = max(fewest_around, ceil(2 * pi * radii.values[-1] / size * (1 - 1e-9)))
         return int(bolts * ceil(least / bolts))
-    if wanted < FEWEST_AROUND or wanted % step:
+    if wanted < fewest_around or wanted % step:
         solid = " and a multiple of 4, as the axis is solid" if step == 4 else ""
-        raise InvalidParameter(f"must be at least {FEWEST_AROUND}{solid}, got {wanted}", where="around")
+        raise InvalidParameter(f"must be at least {fewest_around}{solid}, got {wanted}", where="around")
     return wanted
 
 
@@ -182,3 +181,21 @@ def _used(points: Floats, circle: Floats, cells: Ints) -> tuple[Floats, Floats, 
 
 def _materials(blocks: Sequence[Block], rest: Material | None) -> Mapping[str, Material]:
     return {block.name: material for block in blocks if (material := block.material or rest) is not None}
+
+
+def with_middle_points(points: Floats, circle: Floats, cells: Ints) -> tuple[Floats, Ints]:
+    """Return points and 20-node cells with a point m in the middle of every edge from a to b.
+
+        m = (a + b)/2,    and r(m) = r   where r(a) = r(b) = r                                           (1)
+
+    An edge between two points of one circle, of radius `circle` (nan for points on none), is a chord, whose
+    middle is moved out to the arc; all other edges (along r, along z, inside the core) are straight.
+    """
+    edges = np.sort(cells[:, np.array(CELL_TYPES["hex20"].edges)].reshape(-1, 2), axis=1)
+    unique, inverse = np.unique(edges, axis=0, return_inverse=True)
+    middle = points[unique].mean(axis=1)
+    radius = circle[unique]
+    arcs = radius[:, 0] == radius[:, 1]  # nan equals nothing
+    middle[arcs, :2] *= (radius[arcs, 0] / np.linalg.norm(middle[arcs, :2], axis=1))[:, None]  # eq. (1)
+    numbers = len(points) + inverse.reshape(len(cells), -1)
+    return np.concatenate([points, middle]), np.hstack([cells, numbers])

@@ -39,10 +39,7 @@ _TYPE = re.compile(r"TYPE\s*=\s*([A-Z ]+)", re.IGNORECASE)
 def read_abaqus(path: Path) -> MatrixFile:
     """Read matrices in the form of a user element or of matrix input.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is neither, or a number is missing or damaged.
+    Raise InvalidFile if the file is neither, or a number is missing or damaged.
     """
     text = any_text(path)
     return _user_element(path, text) if _USER_ELEMENT.search(text) else _matrix_input(path, text)
@@ -169,10 +166,7 @@ def _symmetric(path: Path, triplets: Iterator[tuple[int, int, float]], n: int) -
 def read_storage(path: Path) -> MatrixFile:
     """Read a matrix that CalculiX stored: `.sti` or `.mas`, with the `.dof` file next to it.
 
-    Raises
-    ------
-    InvalidFile
-        If one of the files is missing or damaged.
+    Raise InvalidFile if one of the files is missing or damaged.
     """
     order = path.with_suffix(".dof")
     if not order.is_file():

@@ -132,10 +132,7 @@ def from_matrices(
 ) -> SuperElement:
     """Return the super-element of matrices with named freedoms; it is not checked yet.
 
-    Raises
-    ------
-    InvalidParameter
-        If points and freedoms make no interfaces, or the internal modes have no mass.
+    Raise InvalidParameter if points and freedoms make no interfaces, or the internal modes have no mass.
     """
     tied = reduction(freedoms, grids, interfaces)
     K, M, C = (

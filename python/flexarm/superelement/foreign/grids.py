@@ -30,10 +30,8 @@ class Grid:
 def read_grids(path: str | Path) -> dict[int, Grid]:
     """Read the points of a bulk data file or an input deck.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, holds no points, or refers to systems that it does not define.
+    Raise InvalidFile if the file cannot be read, holds no points, or refers to systems that it does not
+    define.
     """
     path = Path(path)
     found = _nodes(path) if "*NODE" in any_text(path).upper() else _bulk(path)

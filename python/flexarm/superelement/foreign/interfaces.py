@@ -44,10 +44,8 @@ def reduction(
     `grids` are points by number, positions in m, and `wanted` the points of each interface; points that are
     left out and have six freedoms become interfaces `grid_NUMBER`.
 
-    Raises
-    ------
-    InvalidParameter
-        If a point is not defined, in two interfaces, or has too few freedoms to be one by itself.
+    Raise InvalidParameter if a point is not defined, in two interfaces, or has too few freedoms to be one by
+    itself.
     """
     held: dict[int, set[int]] = {}
     for freedom in freedoms:

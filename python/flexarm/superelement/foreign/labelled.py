@@ -46,10 +46,7 @@ class MatrixFile:
 def ordered(matrix: Labelled, freedoms: Sequence[Freedom], what: str) -> Floats:
     """Return the matrix with its rows as in `freedoms`; freedoms that the file leaves out are zero.
 
-    Raises
-    ------
-    InvalidParameter
-        If a freedom occurs twice, or the matrix has one that is not in the list.
+    Raise InvalidParameter if a freedom occurs twice, or the matrix has one that is not in the list.
     """
     assert matrix.freedoms is not None
     place = {freedom: i for i, freedom in enumerate(freedoms)}

@@ -22,17 +22,12 @@ from flexarm.reading import any_text
 from flexarm.superelement.foreign.labelled import Labelled, MatrixFile
 
 BANNER = "%%MatrixMarket"
-LARGEST = 10_000
-"""Rows that a dense matrix may have: 800 MB."""
 
 
 def read_matrix_market(path: Path) -> MatrixFile:
     """Read the one matrix of a Matrix Market file.
 
-    Raises
-    ------
-    InvalidFile
-        If the file is damaged, or its matrix not real and square.
+    Raise InvalidFile if the file is damaged, or its matrix not real and square.
     """
     numbered = enumerate(any_text(path).splitlines(), 1)
     lines = ((number, line.strip()) for number, line in numbered if line.strip())
@@ -59,13 +54,14 @@ def read_matrix_market(path: Path) -> MatrixFile:
 
 
 def _sizes(path: Path, content: Iterator[tuple[int, str]], layout: str) -> tuple[int, int]:
+    largest = 10_000  # rows that a dense matrix may have: 800 MB
     number, line = next(content, (1, ""))
     words = line.split()
     if len(words) != (3 if layout == "coordinate" else 2) or not all(word.isdecimal() for word in words):
         raise InvalidFile(path, "size", f"must hold rows, columns and entries, got {line!r}", line=number)
     sizes = [int(word) for word in words]
-    if sizes[0] != sizes[1] or not 0 < sizes[0] <= LARGEST:
-        what = f"must be square with at most {LARGEST} rows, got {sizes[0]} x {sizes[1]}"
+    if sizes[0] != sizes[1] or not 0 < sizes[0] <= largest:
+        what = f"must be square with at most {largest} rows, got {sizes[0]} x {sizes[1]}"
         raise InvalidFile(path, "size", what, line=number)
     return sizes[0], sizes[-1]
 

@@ -26,10 +26,7 @@ _WORD = re.compile(r"(\d+)(?:-(\d+))?(?:\.(0|[1-6]{1,6}))?")
 def read_order(order: str | Path) -> tuple[Freedom, ...]:
     """Read the order of freedoms from a list, or from a file that holds one.
 
-    Raises
-    ------
-    InvalidFile, InvalidParameter
-        If a word is not of the form above, or a freedom is listed twice.
+    Raise InvalidFile or InvalidParameter if a word is not of the form above, or a freedom is listed twice.
     """
     text, file = str(order), None
     if isinstance(order, Path) or Path(text).is_file():

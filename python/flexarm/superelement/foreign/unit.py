@@ -26,10 +26,7 @@ SYSTEMS = {"m": (1.0, 1.0), "mm": (1e-3, 1e-3)}
 def system(unit: str) -> tuple[float, float]:
     """Return the length and energy of a unit system.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is not known.
+    Raise InvalidParameter if it is not known.
     """
     if unit not in SYSTEMS:
         allowed = "m (m, kg, s, N) and mm (mm, t, s, N)"
