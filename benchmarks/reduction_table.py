@@ -3,7 +3,11 @@
 import csv
 import json
 
-GOALS = {"35k": {"times": 3.0}, "98k": {"times": 6.0, "cpu": 15.0, "memory": 1300.0}}
+GOALS = {
+    "35k": {"times": 3.0},
+    "98k": {"times": 6.0, "cpu": 5.0, "memory": 1300.0},
+    "300k": {"cpu": 45.0, "memory": 4000.0},
+}
 """`times`: faster than SciPy with skill; seconds and MB of flexarm on one thread."""
 
 UNITS = {"times": "times faster than SciPy with skill", "cpu": "s of CPU time", "memory": "MB"}

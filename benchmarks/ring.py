@@ -17,7 +17,7 @@ MODES = 20
 FACES = {"bottom": (0.0, 0.0, 0.0), "top": (0.0, 0.0, HEIGHT)}
 """Interfaces: set of points, position of the frame."""
 
-CELLS = {"3k": (4, 40), "10k": (6, 68), "35k": (10, 96), "98k": (14, 145)}
+CELLS = {"3k": (4, 40), "10k": (6, 68), "35k": (10, 96), "98k": (14, 145), "300k": (21, 207)}
 """Size -> cells across height and width, and around."""
 
 

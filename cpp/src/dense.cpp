@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <cstddef>
 
 #include "flexarm/errors.hpp"
 #include "flexarm/solvers/blas_info.hpp"
@@ -28,8 +29,9 @@ constexpr Eigen::Index large = 64;
 
 /// By divide and conquer, where LAPACK is loaded; no values otherwise.
 Eigenpairs by_lapack(const MatrixXd& A) {
+  // The lengths of Fortran's strings come last.
   using Function = void(const char*, const char*, const int*, double*, const int*, double*, double*,
-                        const int*, int*, const int*, int*);
+                        const int*, int*, const int*, int*, std::size_t, std::size_t);
   static auto* const dsyevd = reinterpret_cast<Function*>(solvers::blas_symbol("dsyevd_"));
   if (dsyevd == nullptr) return {};
   const int n = static_cast<int>(A.rows()), n_work = 1 + 6 * n + 2 * n * n, n_integers = 3 + 5 * n;
@@ -38,7 +40,7 @@ Eigenpairs by_lapack(const MatrixXd& A) {
   Eigen::VectorXi integers(n_integers);
   int info = 0;
   dsyevd("V", "L", &n, pairs.vectors.data(), &n, pairs.values.data(), work.data(), &n_work, integers.data(),
-         &n_integers, &info);
+         &n_integers, &info, 1, 1);
   if (info != 0 || !pairs.values.allFinite()) return {};
   return pairs;
 }

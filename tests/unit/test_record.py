@@ -207,7 +207,7 @@ def test_signals_of_one_name_of_file_and_other_instants_get_files_of_their_own(t
     b = Signal(name="b", quantity="joint_angle", joint="b", time=[0, 2], values=[3, 4], file="log.csv")
     c = Signal(name="c", quantity="joint_angle", joint="c", time=[0, 1], values=[5, 6], file="log.csv")
     Record(signals=[a, b, c], drive=("a", "b", "c")).save(tmp_path / "run")
-    assert sorted(p.name for p in (tmp_path / "run").iterdir()) == ["log-2.csv", "log.csv", "record.toml"]
+    assert sorted(p.name for p in (tmp_path / "run").iterdir()) == ["log-b.csv", "log.csv", "record.toml"]
     assert list(Record.load(tmp_path / "run").signals) == ["a", "b", "c"]
     assert Record.load(tmp_path / "run").signals["b"].time.tolist() == [0, 2]
 

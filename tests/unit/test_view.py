@@ -262,6 +262,23 @@ def test_a_missing_extra_names_the_command_that_installs_it(monkeypatch):
         _ = an_arm().view().html
 
 
+def test_a_record_without_one_model_beside_it_asks_for_it(tmp_path, capsys, run):
+    run.arm.to_toml(tmp_path / "arm.toml")
+    (tmp_path / "swing.csv").write_text("time_s,elbow\n0,0.9\n0.1,0.8\n0.2,0.7\n")
+    asked = ["simulate", str(tmp_path / "arm.toml"), "--drive", str(tmp_path / "swing.csv"), "--out"]
+    assert command([*asked, str(tmp_path / "run")]) == 0
+    view_it = ["view", str(tmp_path / "run" / "record.toml"), "--out", str(tmp_path / "page.html")]
+    (tmp_path / "run" / "simulation.nc").unlink()
+    (tmp_path / "arm.toml").rename(tmp_path / "a.toml")
+    run.arm.to_toml(tmp_path / "b.toml")
+    assert command(view_it) == 2
+    assert "model: is not clear: beside the record stand" in capsys.readouterr().err
+    for name in ("a.toml", "b.toml"):
+        (tmp_path / name).unlink()
+    assert command(view_it) == 2
+    assert "is not stated, and no model stands beside the record; --model names it" in capsys.readouterr().err
+
+
 def test_the_command_shows_models_runs_and_records(tmp_path, capsys, run):
     arm = an_arm()
     arm.to_toml(tmp_path / "arm.toml")

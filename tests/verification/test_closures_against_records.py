@@ -19,6 +19,7 @@ KEYS = (
     "effects.joint_compliance.piston.stiffness",
     "links.rod.mass",
 )
+PIN = {"name": "coulomb_friction", "at": "boom_pin", "torque": 800.0}
 COMPLIANCE = {"name": "joint_compliance", "at": "piston", "stiffness": 4e6, "damping": 2e4}
 
 
@@ -147,6 +148,11 @@ def softer(modulus: float) -> Arm:
     return crane(links=[{**boom, "material": {**boom["material"], "youngs_modulus": modulus}}, *others])
 
 
+def loaded(mass: float) -> Arm:
+    """The crane with another load [kg]."""
+    return crane(payloads=[{**crane().to_dict()["payloads"][0], "mass": mass}])
+
+
 def test_the_true_model_leaves_white_noise():
     """Mean square over the noise, with the drive's noise smoothed and time steps corrected.
 
@@ -184,7 +190,9 @@ def test_a_crane_in_which_nothing_is_hidden_is_adequate(seed):
     ("truth", "name", "place"),
     [
         (crane(effects=[COMPLIANCE]), "joint_compliance", "piston"),
+        (crane(effects=[PIN]), "coulomb_friction", "boom_pin"),
         (softer(200e9), "link_stiffness", "boom"),
+        (loaded(520.0), "payload_mass", "load"),
     ],
 )
 def test_what_a_crane_hides_is_named_or_among_what_the_data_cannot_part_from_it(truth, name, place):

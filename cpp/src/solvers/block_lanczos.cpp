@@ -118,7 +118,7 @@ class Basis {
       const bool independent = llt.info() == Eigen::Success && (L.diagonal().array() > least.array()).all();
       if (pass == 0 && !independent) return MatrixXd(0, n);
       for (MatrixXd* X : {&V, &MV})
-        solve_right(Transposed::yes, static_cast<int>(X->rows()), n, {L.data(), n}, {X->data(), X->rows()});
+        solve_right(static_cast<int>(X->rows()), n, {L.data(), n}, {X->data(), X->rows()});
       B = L.transpose() * B;
     }
     return B;

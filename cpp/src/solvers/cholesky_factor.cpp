@@ -1,20 +1,14 @@
 #include "flexarm/solvers/cholesky_factor.hpp"
 
-#include <algorithm>
 #include <chrono>
 
-#include "flexarm/interrupt.hpp"
 #include "flexarm/solvers/blas_info.hpp"
 #include "flexarm/solvers/supernodal_factor.hpp"
 
 namespace flexarm::solvers {
 namespace {
 
-using Eigen::Index;
 using Eigen::MatrixXd;
-
-// Columns solved at once: the factor is read once for all of them. Beyond 32 the gain is small.
-constexpr Index block_columns = 32;
 
 double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -49,12 +43,7 @@ CholeskyFactor::CholeskyFactor(const LowerTriangle& A) : backend_(std::make_uniq
   report_.seconds_factor = seconds() - ordered;
 }
 
-void CholeskyFactor::solve(Eigen::Ref<MatrixXd> X) const {
-  for (Index k = 0; k < X.cols(); k += block_columns) {
-    check_interrupt();
-    backend_->L->solve(X.middleCols(k, std::min(block_columns, X.cols() - k)));
-  }
-}
+void CholeskyFactor::solve(Eigen::Ref<MatrixXd> X) const { backend_->L->solve(X); }
 
 CholeskyFactor::~CholeskyFactor() = default;
 CholeskyFactor::CholeskyFactor(CholeskyFactor&&) noexcept = default;

@@ -76,20 +76,16 @@ void subtract_square(int n, int k, ConstPanel A, Panel C) {
   map(C, n, n).selfadjointView<Eigen::Lower>().rankUpdate(map(A, n, k), -1.0);
 }
 
-void solve_right(Transposed l, int m, int n, ConstPanel L, Panel X) {
+void solve_right(int m, int n, ConstPanel L, Panel X) {
   if (m == 0 || n == 0) return;
   if (blas().trsm != nullptr) {
     const double one = 1;
     const int ldl = stride(L, n), ldx = stride(X, m);
-    blas().trsm("R", "L", letter(l), "N", &m, &n, &one, L.data, &ldl, X.data, &ldx, 1, 1, 1, 1);
+    blas().trsm("R", "L", "T", "N", &m, &n, &one, L.data, &ldl, X.data, &ldx, 1, 1, 1, 1);
     return;
   }
   auto x = map(X, m, n);
-  const auto lower = map(L, n, n);
-  if (l == Transposed::yes)
-    lower.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(x);
-  else
-    lower.triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(x);
+  map(L, n, n).transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(x);
 }
 
 }  // namespace flexarm::solvers

@@ -2,53 +2,55 @@
 
 #include <algorithm>
 
+#include "flexarm/solvers/wide_rows.hpp"
+
 namespace flexarm::solvers {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// Columns of X that meet an entry of A together.
-constexpr Index together = 16;
-
-/// Rows of X and of the product lie together: an entry of A moves whole rows.
-template <int p>
-void multiply_rows(const LowerTriangle& A, const double* X, double* Y) {
-  using Row = Eigen::Map<const Eigen::Matrix<double, p, 1>>;
-  using Sum = Eigen::Map<Eigen::Matrix<double, p, 1>>;
-  for (Index j = 0; j < A.cols(); ++j) {
-    const Eigen::Matrix<double, p, 1> x = Row(X + p * j);
-    Eigen::Matrix<double, p, 1> y = Sum(Y + p * j);
-    for (LowerTriangle::InnerIterator it(A, j); it; ++it) {
-      const Index i = it.row();
-      const double a = it.value();
-      if (i == j) {
-        y += a * x;
-        continue;
+struct Product {
+  template <int V>
+  [[gnu::always_inline]] static inline void run(const LowerTriangle& A, const double* X, double* Y) {
+    for (Index j = 0; j < A.cols(); ++j) {
+      Four x[V], y[V];
+      for (int v = 0; v < V; ++v) {
+        x[v] = row<V>(X, j)[v];
+        y[v] = row<V>(Y, j)[v];
       }
-      y += a * Row(X + p * i);
-      Sum(Y + p * i) += a * x;
+      for (LowerTriangle::InnerIterator it(A, j); it; ++it) {
+        const double a = it.value();
+        if (it.row() == j) {
+          for (int v = 0; v < V; ++v) y[v] += a * x[v];
+          continue;
+        }
+        const FourInPlace* other = row<V>(X, it.row());
+        FourInPlace* sum = row<V>(Y, it.row());
+        for (int v = 0; v < V; ++v) {
+          y[v] += a * other[v];
+          sum[v] += a * x[v];
+        }
+      }
+      for (int v = 0; v < V; ++v) row<V>(Y, j)[v] = y[v];
     }
-    Sum(Y + p * j) = y;
   }
-}
+};
 
 }  // namespace
 
 MatrixXd multiply(const LowerTriangle& A, const Eigen::Ref<const MatrixXd>& X) {
-  MatrixXd Y(X.rows(), X.cols());
-  MatrixXd rows, sums;
-  const auto block = [&]<int p>(std::integral_constant<int, p>, Index k) {
-    rows = X.middleCols<p>(k).transpose();
-    sums.setZero(p, X.rows());
-    multiply_rows<p>(A, rows.data(), sums.data());
-    Y.middleCols<p>(k) = sums.transpose();
-    return k + p;
-  };
-  Index k = 0;
-  while (X.cols() - k >= together) k = block(std::integral_constant<int, together>(), k);
-  while (X.cols() - k >= 4) k = block(std::integral_constant<int, 4>(), k);
-  while (X.cols() - k >= 1) k = block(std::integral_constant<int, 1>(), k);
+  MatrixXd Y(X.rows(), X.cols()), rows, sums;
+  for (Index k = 0, p; k < X.cols(); k += p) {
+    const int width = width_of(X.cols() - k);
+    p = std::min<Index>(width, X.cols() - k);
+    if (p < width) rows.setZero(width, X.rows());
+    rows.resize(width, X.rows());
+    rows.topRows(p) = X.middleCols(k, p).transpose();
+    sums.setZero(width, X.rows());
+    in_wide_rows<Product>(width, A, rows.data(), sums.data());
+    Y.middleCols(k, p) = sums.topRows(p).transpose();
+  }
   return Y;
 }
 

@@ -7,6 +7,8 @@
 
 #include "flexarm/interrupt.hpp"
 #include "flexarm/solvers/dense_kernels.hpp"
+#include "flexarm/solvers/panel_solve.hpp"
+#include "flexarm/solvers/wide_rows.hpp"
 
 namespace flexarm::solvers {
 namespace {
@@ -112,7 +114,7 @@ class SupernodalFactor::Fronts {
       add_product(Transposed::no, Transposed::yes, height - j, width, j, -1, L.at(j, 0), L.at(j, 0),
                   L.at(j, j));
       if (!factor_block(nodes_.first[s] + j, L.at(j, j), width)) return false;
-      solve_right(Transposed::yes, height - j - width, width, L.at(j, j), L.at(j + width, j));
+      solve_right(height - j - width, width, L.at(j, j), L.at(j + width, j));
     }
     return true;
   }
@@ -192,37 +194,43 @@ void SupernodalFactor::scatter(const LowerTriangle& A) {
     }
 }
 
-/// Rows of X in the order of elimination lie together, so that each supernode moves whole rows.
 void SupernodalFactor::solve(Eigen::Ref<Eigen::MatrixXd> X) const {
-  const int p = static_cast<int>(X.cols());
-  if (p == 0) return;
+  for (Index k = 0, p; k < X.cols(); k += p) {
+    const int left = static_cast<int>(X.cols() - k), width = width_of(left);
+    p = std::min(width, left);
+    solve_together(X.middleCols(k, p), width);
+  }
+}
+
+/// Rows of X in the order of elimination lie together, so that each supernode moves whole rows.
+void SupernodalFactor::solve_together(Eigen::Ref<Eigen::MatrixXd> X, int width) const {
   int most = 0;
-  for (int s = 0; s < nodes_.count(); ++s) most = std::max(most, nodes_.n_rows(s));
-  Eigen::MatrixXd Y(p, X.rows()), below(p, most);
-  const Panel rest{below.data(), p};
-  for (Index k = 0; k < X.rows(); ++k) Y.col(k) = X.row(nodes_.order[k]);
-  const auto columns = [&](int s) { return Panel{Y.data() + std::ptrdiff_t(p) * nodes_.first[s], p}; };
+  for (int s = 0; s < nodes_.count(); ++s) most = std::max(most, nodes_.n_columns(s) + nodes_.n_rows(s));
+  Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(width, X.rows()), local(width, most);
+  for (Index k = 0; k < X.rows(); ++k) Y.col(k).head(X.cols()) = X.row(nodes_.order[k]);
   const auto factor = [&](int s) {
     return ConstPanel{L_.get() + start_[s], nodes_.n_columns(s) + nodes_.n_rows(s)};
   };
   for (int s = 0; s < nodes_.count(); ++s) {
     check_interrupt();
-    const int n = nodes_.n_columns(s), m = nodes_.n_rows(s);
-    solve_right(Transposed::yes, p, n, factor(s), columns(s));
-    below.leftCols(m).setZero();
-    add_product(Transposed::no, Transposed::yes, p, m, n, 1, columns(s), factor(s).at(n, 0), rest);
-    const int* rows = nodes_.rows.data() + nodes_.row_start[s];
-    for (int i = 0; i < m; ++i) Y.col(rows[i]) -= below.col(i);
+    const int n = nodes_.n_columns(s), m = nodes_.n_rows(s), *rows = nodes_.rows.data() + nodes_.row_start[s];
+    auto own = Y.middleCols(nodes_.first[s], n);
+    local.leftCols(n) = own;
+    local.middleCols(n, m).setZero();
+    solve_forward(width, n, n + m, factor(s), local.data());
+    own = local.leftCols(n);
+    for (int i = 0; i < m; ++i) Y.col(rows[i]) += local.col(n + i);
   }
   for (int s = nodes_.count() - 1; s >= 0; --s) {
     check_interrupt();
-    const int n = nodes_.n_columns(s), m = nodes_.n_rows(s);
-    const int* rows = nodes_.rows.data() + nodes_.row_start[s];
-    for (int i = 0; i < m; ++i) below.col(i) = Y.col(rows[i]);
-    add_product(Transposed::no, Transposed::no, p, n, m, -1, rest, factor(s).at(n, 0), columns(s));
-    solve_right(Transposed::no, p, n, factor(s), columns(s));
+    const int n = nodes_.n_columns(s), m = nodes_.n_rows(s), *rows = nodes_.rows.data() + nodes_.row_start[s];
+    auto own = Y.middleCols(nodes_.first[s], n);
+    local.leftCols(n) = own;
+    for (int i = 0; i < m; ++i) local.col(n + i) = Y.col(rows[i]);
+    solve_backward(width, n, n + m, factor(s), local.data());
+    own = local.leftCols(n);
   }
-  for (Index k = 0; k < X.rows(); ++k) X.row(nodes_.order[k]) = Y.col(k);
+  for (Index k = 0; k < X.rows(); ++k) X.row(nodes_.order[k]) = Y.col(k).head(X.cols());
 }
 
 }  // namespace flexarm::solvers

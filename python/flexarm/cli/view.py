@@ -189,8 +189,9 @@ def _model_of(folder: Path) -> Path:
         file for file in beside if "flexarm-arm/1" in file.read_text(encoding="utf-8", errors="replace")
     )
     if len(models) != 1:
-        there = ", ".join(str(file) for file in models) or "none"
-        raise InvalidFile(folder, "model", f"is not clear: beside the record lies {there}; --model names it")
+        what = f"is not clear: beside the record stand {', '.join(map(str, models))}"
+        what = what if models else "is not stated, and no model stands beside the record"
+        raise InvalidFile(folder, "model", f"{what}; --model names it")
     print(f"model: {models[0]}", file=sys.stderr)
     return models[0]
 

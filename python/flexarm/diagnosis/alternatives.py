@@ -24,6 +24,7 @@ from flexarm.arm.effect import effect_class
 from flexarm.budget import allows
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, carries
+from flexarm.diagnosis.collinear import collinear, out_of_step
 from flexarm.diagnosis.cross_validation import predicts_better
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio
@@ -33,7 +34,7 @@ from flexarm.diagnosis.moves.proposals import one_variant
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.refinement import ROUNDS, further
-from flexarm.diagnosis.screening import Probed, screen, sharpened
+from flexarm.diagnosis.screening import Probed, Share, screen, sharpened
 from flexarm.named_effects import Place
 
 NEARER = 0.3
@@ -99,8 +100,13 @@ def rivals_of(
     if fewer is None:
         return []
     known = _known(best, {m.place for m in others}, tried)
-    wanted = _promising(chosen, fewer, estimator, probed, open_gap)
+    shares = screen(estimator, probed, fewer)
+    wanted = _promising(chosen, shares, fewer, estimator, open_gap)
     if not open_gap:
+        if out_of_step(chosen, shares, best, fewer, policy.halfway):
+            same = {each.place: each for each in collinear(k, best, estimator, probed)}
+            wanted = [*same.values(), *(each for each in wanted if each.place not in same)]
+            known = {place: fit for place, fit in known.items() if place not in same}
         wanted += _near(known, wanted, best, problem)
         wanted += _sticking(chosen, wanted, probed)
         before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
@@ -123,10 +129,10 @@ def rivals_of(
 
 
 def _promising(
-    chosen: Candidate, fewer: Fit, estimator: Estimator, probed: Sequence[Probed], open_gap: bool
+    chosen: Candidate, screened: Sequence[Share], fewer: Fit, estimator: Estimator, open_gap: bool
 ) -> list[Candidate]:
     """Effects that promise most of what the chosen one explains; beside a gap however little that is."""
-    shares = [s for s in screen(estimator, probed, fewer) if s.members[0].place != chosen.place]
+    shares = [s for s in screened if s.members[0].place != chosen.place]
     policy = estimator.problem.policy
     most = policy.proposals // 2 if open_gap else policy.proposals
     sharp = sharpened(estimator, one_variant(shares, 2 * most), fewer)[:most]

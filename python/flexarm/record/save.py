@@ -86,8 +86,9 @@ def _share_out(signals: list[Signal]) -> dict[str, list[Signal]]:
         file = signal.file
         number = 1
         while file in files and not _can_join(files[file], signal):
+            again = f"-{number}" if number > 1 else ""
+            file = f"{Path(signal.file).stem}-{signal.name}{again}.csv"
             number += 1
-            file = f"{Path(signal.file).stem}-{number}.csv"
         files.setdefault(file, []).append(signal)
     return files
 

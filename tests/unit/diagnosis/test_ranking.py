@@ -208,6 +208,7 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     for name in ("_near", "_sticking", "_soft_elsewhere"):
         monkeypatch.setattr(rivals, name, lambda *_: [])
     monkeypatch.setattr(rivals, "screen", lambda *_: shares)
+    monkeypatch.setattr(rivals, "out_of_step", lambda *_: False)
     monkeypatch.setattr(rivals, "sharpened", lambda estimator, shares, fit: shares)
     monkeypatch.setattr(rivals, "one_variant", lambda shares, most: shares)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)

@@ -42,7 +42,7 @@ class CholeskyFactor {
   CholeskyFactor(CholeskyFactor&&) noexcept;
   CholeskyFactor& operator=(CholeskyFactor&&) noexcept;
 
-  /// X := A⁻¹ X, in blocks of columns.
+  /// X := A⁻¹ X.
   void solve(Eigen::Ref<Eigen::MatrixXd> X) const;
 
   const CholeskyReport& report() const { return report_; }

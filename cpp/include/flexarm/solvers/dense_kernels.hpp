@@ -31,7 +31,7 @@ void add_product(Transposed a, Transposed b, int m, int n, int k, double factor,
 /// C := C − A Aᵀ, its lower triangle, A of n rows and k columns.
 void subtract_square(int n, int k, ConstPanel A, Panel C);
 
-/// X := X op(L)⁻¹, X of m rows, L a lower triangle of n.
-void solve_right(Transposed l, int m, int n, ConstPanel L, Panel X);
+/// X := X L⁻ᵀ, X of m rows, L a lower triangle of n.
+void solve_right(int m, int n, ConstPanel L, Panel X);
 
 }  // namespace flexarm::solvers

@@ -31,7 +31,7 @@ class SupernodalFactor {
 
   const Pivots& pivots() const { return pivots_; }
 
-  /// X := A⁻¹ X, for some tens of columns at most.
+  /// X := A⁻¹ X.
   void solve(Eigen::Ref<Eigen::MatrixXd> X) const;
 
  private:
@@ -42,6 +42,7 @@ class SupernodalFactor {
   using Memory = std::unique_ptr<double[], Free>;
 
   void scatter(const LowerTriangle& A);
+  void solve_together(Eigen::Ref<Eigen::MatrixXd> X, int width) const;
 
   const Supernodes& nodes_;
   std::vector<std::ptrdiff_t> start_;  // of each supernode's columns, diagonal block on top

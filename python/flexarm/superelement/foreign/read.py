@@ -9,9 +9,9 @@ DMIG, EXTSEOUT and module OUTPUT4.
 
 from __future__ import annotations
 
+import importlib
 import warnings
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -168,7 +168,7 @@ def read_op4(path: Path) -> MatrixFile:
 
 def _pyyeti(module: str, path: Path) -> Any:
     try:
-        return import_module(f"pyyeti.nastran.{module}")
+        return importlib.import_module(f"pyyeti.nastran.{module}")
     except ImportError:
         what = f"reading {path.name} needs pyyeti, which is not installed: pip install flexarm[nastran]"
         raise InvalidParameter(what) from None
