@@ -19,6 +19,7 @@ KEYS = (
     "effects.joint_compliance.piston.stiffness",
     "links.rod.mass",
 )
+PIN = {"name": "coulomb_friction", "at": "boom_pin", "torque": 800.0}
 COMPLIANCE = {"name": "joint_compliance", "at": "piston", "stiffness": 4e6, "damping": 2e4}
 
 
@@ -189,6 +190,7 @@ def test_a_crane_in_which_nothing_is_hidden_is_adequate(seed):
     ("truth", "name", "place"),
     [
         (crane(effects=[COMPLIANCE]), "joint_compliance", "piston"),
+        (crane(effects=[PIN]), "coulomb_friction", "boom_pin"),
         (softer(200e9), "link_stiffness", "boom"),
         (loaded(520.0), "payload_mass", "load"),
     ],
