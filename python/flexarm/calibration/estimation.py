@@ -9,10 +9,12 @@ those of the step before where they foretold it,
 
 .. math:: (H + \lambda \, \mathrm{diag} H) \Delta u = -(J^T W r + P (u - c)), \quad H = J^T W J + P   (2)
 
-with lambda = 0 first, and ends the estimation where it moves nothing by more than a fifth of its sigma. The
-covariance is H^-1. W is one over the long-run variance of noise and model discrepancy of each channel
-(`diagnosis.discrepancy`): where a gap stays, rows count for as much as they leave, priors count as they
-should, and intervals widen by what is left.
+with lambda = 0 first. Where derivatives miss more than a part of what a step changes, another one with the
+same J follows it, which bends it along a curved valley of (1): stiffness and modulus that share a
+compliance have one. An estimation ends where a step moves nothing by more than a fifth of its sigma, and
+lowers (1) by less than the square of that. The covariance is H^-1. W is one over the long-run variance of
+noise and model discrepancy of each channel (`diagnosis.discrepancy`): where a gap stays, rows count for as
+much as they leave, priors count as they should, and intervals widen by what is left.
 
 A family is fitted with one shared size first: du = A dv, with a column of A for the family and one for each
 other parameter. Its spread is estimated along with the members after that.
@@ -205,17 +207,18 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
         weight = estimation.weights(point.residual + point.jacobian @ ahead)
         normal = NormalEquations.of(point.jacobian @ A, A.T @ P @ A, weight)
         covariance = A @ normal.inverse() @ A.T
-        move, there = _descent(estimation, point, weight, P, centre, A)
+        move, there, lowered = _descent(estimation, point, weight, P, centre, A)
         sigmas = move / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
         found = Posterior(estimation, point, weight, covariance, sigmas, count)
         largest = float(np.abs(sigmas).max(initial=0.0))
         left = float(np.sqrt(np.mean(point.residual**2)))
         tell(f"step {count}: {left:.3g} times the noise, moves by {largest:.2g} sigma")
-        if (largest < policy.settled and point.exact) or count == policy.iterations:
+        rests = largest < policy.settled and lowered < policy.settled**2
+        if (rests and point.exact) or count == policy.iterations:
             break
         if not allows("the estimates came to rest"):
             break
-        kept = largest >= policy.settled and _foretold(point, move, there, policy.foretold)
+        kept = not rests and _foretold(point, move, there, policy.foretold)
         u = point.u + move
         point = Point(u, there, point.jacobian, False) if kept else estimation.linearised(u)
         if basis is None:
@@ -242,8 +245,11 @@ def _step(point: Point, weight: Floats, P: Floats, centre: Floats, A: Floats, da
 
 def _descent(
     estimation: Estimation, point: Point, weight: Floats, P: Floats, centre: Floats, A: Floats
-) -> tuple[Floats, Floats]:
-    """Return the least damped step of (2) that does not lead up, and r after it; none where all do."""
+) -> tuple[Floats, Floats, float]:
+    """Return the least damped step of (2) that does not lead up, r after it, and by how much it lowers (1).
+
+    The step is none where all lead up.
+    """
     policy = estimation.policy
     logarithmic = np.array([parameter.scale == "log" for parameter in estimation.parameters])
 
@@ -255,12 +261,20 @@ def _descent(
         step = _step(point, weight, P, centre, A, damping)
         longest = float(np.abs(step[logarithmic]).max(initial=0.0))
         step *= min(1.0, policy.longest / max(longest, 1e-300))
+        tried = []
         with suppress(*FIT_ERRORS):
             residual = estimation.residual(point.u + step, point.jacobian)
-            if cost(point.u + step, residual) <= here:
-                return step, residual
+            tried.append((cost(point.u + step, residual), step, residual))
+            if not _foretold(point, step, residual, policy.foretold):
+                from_there = replace(point, u=point.u + step, residual=residual)
+                bent = step + _step(from_there, weight, P, centre, A, damping)
+                residual = estimation.residual(point.u + bent, point.jacobian)
+                tried.append((cost(point.u + bent, residual), bent, residual))
+        best, step, residual = min(tried, key=lambda each: each[0], default=(np.inf, step, point.residual))
+        if best <= here:
+            return step, residual, here - best
         damping = 10 * damping or policy.damping
-    return np.zeros_like(point.u), point.residual
+    return np.zeros_like(point.u), point.residual, 0.0
 
 
 def shared_first(estimation: Estimation, u: Floats, tell: Tell) -> list[Posterior]:
