@@ -82,7 +82,7 @@ def smooth(
     --------
     >>> time = np.linspace(0, 10, 5001)
     >>> breaks, coefficients = smooth(time, np.sin(time), 1e-3)
-    >>> coefficients.shape[1] < 50
+    >>> coefficients.shape[1] < 100
     True
     """
     t, y = _finite(time, values)
