@@ -12,6 +12,7 @@ from flexarm.arm.parameter import with_value
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.search_step import with_fine_step
 from flexarm.errors import InvalidParameter
+from flexarm.validation.sensor_check import check
 
 KEYS = (
     "payloads.load.mass",
@@ -82,6 +83,20 @@ def _difference(arm: Arm, key: str, name: str) -> np.ndarray:
     h = 1e-3 * value
     up, down = (flexarm.static(with_value(arm, key, value + e), {"piston": 0.42}) for e in (h, -h))
     return (getattr(up, name) - getattr(down, name)) / (2 * h)
+
+
+def test_derivatives_beside_redundant_conditions_are_those_of_differences():
+    """Of a rigid crane, whose closure repeats three conditions; differences of 0.1 % are exact."""
+    key, redundant = "payloads.load.mass", loops.crane()
+    found = flexarm.static(redundant, {"piston": 0.42}, sensitivities=[key])
+    up, down = (flexarm.static(with_value(redundant, key, m), {"piston": 0.42}) for m in (500.5, 499.5))
+    force = found.sensitivities["joint_torque"][..., 0]
+    assert force == pytest.approx(up.joint_torque - down.joint_torque, rel=1e-6, abs=1e-6)
+    assert np.abs(force).max() > 9.81  # N/kg: the lever of the load is longer than the cylinder's
+
+
+def test_a_record_of_a_crane_is_checked_without_faults():
+    assert check(crane(), {"slow": record(crane(), 1.5, 3)}).faults == ()
 
 
 def test_derivatives_of_frequencies_are_those_of_differences():

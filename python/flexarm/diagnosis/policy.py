@@ -14,6 +14,8 @@ from flexarm.errors import InvalidParameter
 MOVES = (
     "confounding",
     "rescreening",
+    "low_pass",
+    "second_rank",
     "prior_ends",
     "gap_scan",
     "families",
@@ -94,7 +96,7 @@ class SelectionPolicy:
     proposals: int = 6
     """Candidates fitted in a step [1], half as many sets: screening is right in its first few."""
     more_proposals: int = 4
-    """Candidates fitted once more [1] about themselves, those in conflict with priors."""
+    """Candidates fitted more [1], screened at low frequency or in conflict with priors."""
     among: int = 16
     """Places of which all triples are screened [1], and half as many from pairs: time grows as the cube."""
     families: int = 3
@@ -113,6 +115,8 @@ class SelectionPolicy:
     """Way from no effect to the best fit [-] that a fit must come to be finished, or a spring to be tried."""
     alike: float = 0.1
     """Relative difference [-] that is none: of two costs, or of a parameter between records."""
+    low_pass: float = 1.0
+    """Window of the moving average [s]: some periods of a heavy arm, a small part of its motion."""
     confounded: float = 0.8
     """R2 [-] with what a nuisance parameter in conflict moves, for an effect to replace it."""
 

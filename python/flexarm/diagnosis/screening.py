@@ -12,9 +12,10 @@ negative are not.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
 from types import MappingProxyType
 
@@ -24,7 +25,7 @@ from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.named_effects import Place, place_text
 from flexarm.simulation import Progress, reported
@@ -141,6 +142,7 @@ def screen(
     probed: Sequence[Probed],
     fit: Fit,
     pairs: Mapping[str, str] = NONE,
+    seen: Callable[[Floats], Floats] | None = None,
 ) -> list[Share]:
     """Candidates that could explain what a fit leaves, the best first.
 
@@ -154,8 +156,10 @@ def screen(
         Its effects may change along, to first order.
     pairs : dict of str to str
         Joints that are one place, `companions.cardan_joints`: a law at both is tried as one candidate.
+    seen : callable, optional
+        What is looked at of residuals, a linear function of their columns, such as `slow.slow_part`.
     """
-    linear = Linear(estimator, probed, fit)
+    linear = Linear(estimator, probed, fit, seen)
     sets = [(k,) for k in linear.free] + list(linear.companions(pairs))
     return linear.shares(linear.ranked(sets))
 
@@ -165,13 +169,14 @@ def together(
     probed: Sequence[Probed],
     fit: Fit,
     size: int,
+    seen: Callable[[Floats], Floats] | None = None,
 ) -> list[Share]:
-    """Return sets of two or three candidates that explain most together, the best first.
+    """Return sets of two or three candidates that explain most together, of what is `seen`, the best first.
 
     All pairs are looked at; of triples those among the `among` places of the policy that explain most alone,
     and half as many that do so in a pair: what explains nothing by itself may be needed beside another.
     """
-    linear = Linear(estimator, probed, fit)
+    linear = Linear(estimator, probed, fit, seen)
     two = linear.ranked(linear.sets(linear.free, 2))
     if size == 2:
         return linear.shares(two, KEPT)
@@ -234,8 +239,9 @@ class Linear:
         estimator: Estimator,
         probed: Sequence[Probed],
         fit: Fit,
+        seen: Callable[[Floats], Floats] | None = None,
     ) -> None:
-        self.estimator, self.probed, self.fit = estimator, probed, fit
+        self.estimator, self.probed, self.fit, self.seen = estimator, probed, fit, seen
         self.free = [k for k, p in enumerate(probed) if not p.candidate.spots & fit.spots]
         ends = np.cumsum([0, *(p.moves.shape[1] for p in probed)])
         self._columns = [np.arange(ends[k], ends[k + 1]) for k in range(len(probed))]
@@ -304,12 +310,26 @@ class Linear:
         if not all(possible(self.probed[k].candidate, a) for k, a in zip(chosen, mine, strict=True)):
             return -1.0, mine
         left = square + float(2 * alphas @ b + alphas @ G @ alphas)  # eq. (2)
-        return 1.0 - left / self.fit.cost, mine
+        return 1.0 - left / self._before, mine
+
+    @cached_property
+    def _before(self) -> float:
+        """Square of what the fit leaves of what is looked at."""
+        if self.seen is None:
+            return self.fit.cost
+        rest = self._rest(self._fitted, self.fit.residual[:, None])[:, 0]
+        return float(rest @ rest)
+
+    def _rest(self, taken: frozenset[str], columns: Floats) -> Floats:
+        """Columns without what unknowns explain, of what is looked at."""
+        nuisance, projection = self.estimator.without(taken)
+        if self.seen is None:
+            return projection.project(columns)
+        return Projection(self.seen(projection.jacobian), nuisance.sigma).project(self.seen(columns))
 
     def _gram(self, taken: frozenset[str]) -> tuple[Floats, Floats, float]:
         if taken not in self._grams:
-            _, projection = self.estimator.without(taken)
-            rest = projection.project(np.column_stack([self.fit.residual, self._moves]))
+            rest = self._rest(taken, np.column_stack([self.fit.residual, self._moves]))
             q, d = rest[:, 0], rest[:, 1:]
             self._grams[taken] = (d.T @ d, d.T @ q, float(q @ q))
         return self._grams[taken]

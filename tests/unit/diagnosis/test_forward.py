@@ -264,6 +264,54 @@ def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
     assert names(promising.fit_sets(estimator, STATE, BARE, 2)) == ["tilt"]
 
 
+def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeypatch):
+    """Two effects that shift how an arm rings explain nothing of that to first order."""
+    seen = {True: ["bow and softness", "tilt and softness"], False: ["two springs"]}
+    found = lambda *given: [  # noqa: E731
+        SimpleNamespace(members=(name,), share=0.9) for name in seen[given[-1] is not None and len(given) > 4]
+    ]
+    monkeypatch.setattr(promising, "together", found)
+    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(Criteria, "explains", lambda *_: False)
+    estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
+    for gap, fits in ((False, ["two springs"]), (True, ["two springs", *seen[True]])):
+        monkeypatch.setattr(Criteria, "leaves_gap", lambda *_, gap=gap: gap)
+        assert names(promising.fit_sets(estimator, STATE, BARE, 2)) == fits
+
+
+@pytest.mark.parametrize("gap, tried", [(True, 15), (False, 6)], ids=["all leave a gap", "one leaves none"])
+def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, tried):
+    """To first order a heavy load further out looks like much else, and comes seventh.
+
+    Of four that are slow one is among the first six, and is not fitted twice: six, three, and six.
+    """
+    shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.9 - k / 100) for k in range(20)]
+    slow = [shares[k] for k in (3, 14, 15, 16)]
+    monkeypatch.setattr(promising, "screen", lambda *_, seen=None: slow if seen is not None else shares)
+    monkeypatch.setattr(promising, "slow_part", lambda problem: len)
+    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
+    monkeypatch.setattr(promising, "_from_other_gaps", lambda *_: [])
+    monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
+    monkeypatch.setattr(Criteria, "explains", lambda *_: False)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
+    estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
+    found = names(promising.fit_singles(estimator, [None] * 20, BARE, CRITERIA))
+    assert len(found) == len(set(found)) == tried
+
+
+def test_what_promises_less_than_would_be_worth_a_name_is_not_fitted_even_then(monkeypatch):
+    shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.5**k) for k in range(20)]
+    monkeypatch.setattr(promising, "screen", lambda *_: shares)
+    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
+    wanted, others = promising._promising(
+        SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False
+    )
+    assert len(wanted) == 6
+    assert [share.share for share in others] == [0.5**6]  # the next is 0.8 %
+
+
 @pytest.mark.parametrize("most, first", [(0.4, "far"), (0.6, "near")], ids=["little promised", "enough"])
 def test_laws_are_looked_at_again_at_the_ends_of_what_is_plausible(monkeypatch, most, first):
     """A damping ten times the nominal one explains hardly anything to first order, and half at its end."""
@@ -273,9 +321,9 @@ def test_laws_are_looked_at_again_at_the_ends_of_what_is_plausible(monkeypatch, 
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
     monkeypatch.setattr(promising, "_at_ends", lambda *_: far)
-    wanted = promising._promising(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=True)
+    wanted, _ = promising._promising(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=True)
     assert wanted[0].members == (first,)
-    wanted = promising._promising(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False)
+    wanted, _ = promising._promising(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False)
     assert wanted[0].members == ("near",)  # what is left is noise, of which nothing explains half
 
 

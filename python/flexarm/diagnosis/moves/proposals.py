@@ -1,4 +1,10 @@
-"""Proposals of larger models: the effects that promise most, or sets of them, given those that are there.
+"""Proposals of larger models, also by moving averages of residuals, in which vibrations hardly show.
+
+A mass or a stiffness that is far off shifts the frequency at which an arm rings, and within some periods the
+model is out of step: to first order nothing explains that any more, least of all the right size of the right
+effect. How the arm hangs, and what its motors bear, still follow in proportion.
+
+Larger models that merit a fit: the effects that promise most, or sets of them, given those that are there.
 
 A screening (`diagnosis.screening`) puts effects and places in an order; the first few are fitted. Sets
 of two or three are fitted only where no smaller one explains all, of three only if they go where adding to a
@@ -7,11 +13,14 @@ smaller set does not lead.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
+import numpy as np
+
 from flexarm.arm.spring_effect import SpringEffect
+from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate
@@ -19,8 +28,28 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.minimisers import multi_start
 from flexarm.diagnosis.moves.search_state import SearchState
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
 from flexarm.named_effects import Place
+
+
+def slow_part(problem: Problem) -> Callable[[Floats], Floats]:
+    """Averages columns of residuals over `low_pass` seconds, channel by channel; poses stay as they are."""
+    windows = []
+    for each, where in problem.channels():
+        if problem.records[each.record].kind == "motion" and len(each.time) > 1:
+            windows.append((where, round(problem.policy.low_pass / float(np.median(np.diff(each.time))))))
+
+    def averaged(columns: Floats) -> Floats:
+        from scipy.ndimage import uniform_filter1d
+
+        found = columns.copy()
+        for where, size in windows:
+            if size > 1:
+                found[where] = uniform_filter1d(columns[where], size, axis=0, mode="nearest")
+        return found
+
+    return averaged
 
 
 def singles(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
@@ -43,11 +72,21 @@ def fit_singles(
 ) -> list[Fit]:
     """Return fits of the most promising candidates, given the effects of `best`.
 
-    Where all leave a gap, so is a backlash from other starts. `places` are joints that are one place of the
-    machine; `found` are as large and fitted already.
+    Where all leave a gap, so are those that explain most at low frequency, at the first step as many more as
+    the screening puts behind the first, and a backlash from other starts. `places` are joints that are one
+    place of the machine; `found` are as large and fitted already.
     """
+    policy = criteria.policy
     at_ends = not found or not criteria.adequate(best)
-    more = fitted(estimator, _promising(estimator, probed, best, places, at_ends), best, criteria)
+    wanted, others = _promising(estimator, probed, best, places, at_ends)
+    more = fitted(estimator, wanted, best, criteria)
+    if criteria.all_leave_gaps([*found, *more]) and policy.allows("low_pass"):
+        slow = screen(estimator, probed, best, seen=slow_part(estimator.problem))
+        slower = [s for s in one_variant(slow, policy.more_proposals) if not _there(s, best, more)]
+        more += fitted(estimator, slower, best, criteria, found=more)
+    others = [s for s in others if not (best.members or _there(s, best, more))]
+    if others and criteria.all_leave_gaps([*found, *more]) and policy.allows("second_rank"):
+        more += fitted(estimator, others, best, criteria, found=more)
     if criteria.all_leave_gaps([*found, *more]):
         more += _from_other_gaps(estimator, more)
     return more
@@ -74,7 +113,7 @@ def triples(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit
 
 
 def fit_sets(estimator: Estimator, state: SearchState, beside: Fit, size: int) -> list[Fit]:
-    """Return fits of the sets that explain most.
+    """Return fits of the sets that explain most, of pairs also at low frequency where all leave a gap.
 
     Sets of three are fitted only where adding to `beside`, the best smaller set, does not lead.
     """
@@ -83,7 +122,16 @@ def fit_sets(estimator: Estimator, state: SearchState, beside: Fit, size: int) -
     shares = [s for s in together(estimator, probed, start, size) if s.share > policy.least_reduction]
     ahead = size == 2 or _leads(shares, beside, policy.alike)
     most, wanted = policy.proposals // 2, one_variant(shares, 2 * policy.proposals) if ahead else []
-    return fitted(estimator, wanted, start, criteria, most)
+    found = fitted(estimator, wanted, start, criteria, most)
+    if size == 2 and criteria.all_leave_gaps(found) and policy.allows("low_pass"):
+        slow = together(estimator, probed, start, size, slow_part(estimator.problem))
+        found += fitted(estimator, one_variant(slow, 2 * policy.proposals), start, criteria, most)
+    return found
+
+
+def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
+    """Return True if a model with these effects more than the best has been fitted."""
+    return {*best.places, *share.places} in (set(f.places) for f in found)
 
 
 def fitted(
@@ -125,8 +173,8 @@ def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
 
 def _promising(
     estimator: Estimator, probed: Sequence[Probed], best: Fit, places: Mapping[str, str], at_ends: bool
-) -> list[Share]:
-    """Return the single candidates that explain most.
+) -> tuple[list[Share], list[Share]]:
+    """Single candidates: those that explain most, and others.
 
     Where the best promises little, laws are looked at `at_ends` too.
     """
@@ -136,7 +184,10 @@ def _promising(
     at_ends = at_ends and (not sharp or sharp[0].share < policy.most_of_gap)
     if at_ends and policy.allows("prior_ends"):
         sharp = _sharpest([*sharp, *sharpened(estimator, _at_ends(estimator, probed, best), best)])
-    return sharp[: policy.proposals]
+    wanted = sharp[: policy.proposals]
+    there = {share.places for share in wanted}
+    least = policy.negligible_share
+    return wanted, [share for share in sharp if share.places not in there and share.share > least]
 
 
 def _at_ends(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Share]:
