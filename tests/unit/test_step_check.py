@@ -51,7 +51,7 @@ def test_compare_takes_a_step_and_warns(exact, tmp_path, capsys):
     assert "--step: must be positive, got 0 s" in capsys.readouterr().err
 
 
-def test_a_diagnosis_writes_its_step_and_warns_of_it(exact, tmp_path):
+def test_a_diagnosis_takes_a_finer_step_where_it_must_and_writes_it(exact, tmp_path):
     diagnoses.with_spring().to_toml(tmp_path / "arm.toml")
     exact.save(tmp_path / "run")
     out = tmp_path / "out"
@@ -66,6 +66,7 @@ def test_a_diagnosis_writes_its_step_and_warns_of_it(exact, tmp_path):
     ]
     assert run(command) == 0
     report = json.loads((out / "report.json").read_text())
-    assert report["provenance"]["step"] == 0.02
-    assert any("half the time step of 20 ms" in remark for remark in report["details"]["remarks"])
-    assert flexarm.Diagnosis.load(out).provenance["step"] == 0.02
+    assert report["provenance"]["step"] == 0.005
+    said = "simulated in steps of 5 ms: those of 20 ms miss more than the noise"
+    assert said in report["details"]["remarks"]
+    assert flexarm.Diagnosis.load(out).provenance["step"] == 0.005

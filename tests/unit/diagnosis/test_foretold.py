@@ -23,7 +23,7 @@ def not_foretold(**changes):
 
 SAID = (
     "The repaired model does not foretell the held-out record 'other': 7.92 mm rms are left of 'tip', "
-    "112 times the noise; the training is left with 71.6 µm."
+    "112 times the noise; the training is left with 71.5 µm."
 )
 
 

@@ -8,6 +8,7 @@ import pytest
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.minimisers import multi_start
 from flexarm.diagnosis.moves import proposals as promising
+from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.effects import Backlash, CoulombFriction
 from flexarm.errors import NotConverged
 
@@ -24,7 +25,7 @@ def cost(gap):
 class Estimator:
     """As much of a fitter as is asked for; its fits stay where they start."""
 
-    problem = SimpleNamespace(prepare=lambda arms: list(arms))
+    problem = SimpleNamespace(prepare=lambda arms: list(arms), policy=SelectionPolicy())
 
     def with_effects(self, members):
         return members
