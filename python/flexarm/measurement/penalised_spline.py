@@ -28,7 +28,7 @@ from flexarm.measurement.least_squares_spline import DEGREE, Indices
 
 FINER = 4
 """Dense breaks in the interval of a sparse one: their own wave is 1/256 as high."""
-PASS = 4.0
+PASS = 3.5
 """Of (2): at pi as much noise passes as with sparse breaks; a little more keeps slow oscillations whole."""
 
 
