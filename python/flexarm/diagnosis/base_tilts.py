@@ -66,6 +66,6 @@ def tilt_jacobian(problem: Problem, arm: Arm, tilts: Sequence[UncertainTilt]) ->
             continue
         ends = np.zeros((2, len(problem)))
         for end, turn in zip(ends, (tilt.sigma, -tilt.sigma), strict=True):
-            problem.put(end, tilt.record, problem.simulations.tilted(tilt, arm, turn))
+            problem.write_residual(end, tilt.record, problem.simulations.tilted(tilt, arm, turn))
         found[:, k] = (ends[0] - ends[1]) / (2 * tilt.sigma)  # eq. (1)
     return found

@@ -89,7 +89,7 @@ def initial_condition_jacobian(
     before = finer.residual(arm) if mine else np.zeros(0)
     for k in mine:
         after = before.copy()
-        finer.put(
+        finer.write_residual(
             after, initial_conditions[k].record, finer.simulations.jerked(initial_conditions[k], arm, HEIGHT)
         )
         found[:, k] = (after - before) / HEIGHT  # eq. (1)

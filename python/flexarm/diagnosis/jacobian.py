@@ -118,7 +118,7 @@ def _point_slope(problem: Problem, arm: Arm, key: str) -> Floats:
     _, point, _, axis = key.split(".")
     found = np.zeros(len(problem))
     for name, record in problem.records.items():
-        pair = problem.simulations.beside(name, arm)
+        pair = problem.simulations.run(name, arm)
         rows = [row for row in problem.rows_of(name) if record.signals[row.signal].point == point]
         run = pair.simulation
         i = run.points.index(point)
@@ -127,7 +127,7 @@ def _point_slope(problem: Problem, arm: Arm, key: str) -> Floats:
         ends = np.zeros((2, len(problem)))
         for end, shift in zip(ends, (SHIFT, -SHIFT), strict=True):
             shifted = replace(run, position=run.position + shift * move)
-            problem.put(end, name, replace(pair, simulation=shifted), rows)
+            problem.write_residual(end, name, replace(pair, simulation=shifted), rows)
         found += (ends[0] - ends[1]) / (2 * SHIFT)
     return found
 

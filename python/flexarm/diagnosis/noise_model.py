@@ -134,7 +134,7 @@ def weighted_by_input_noise(problem: Problem) -> Problem:
     times = [sqrt(1.0 + each.input_noise) if each.input_noise > LOUD**2 else 1.0 for each in problem.rows]
     if max(times, default=1.0) == 1.0:
         return problem
-    found = problem.again()
+    found = problem.fresh()
     found.rows = tuple(
         replace(each, sigma=each.sigma * t, input_noise=each.input_noise if t == 1.0 else 0.0)
         for each, t in zip(problem.rows, times, strict=True)

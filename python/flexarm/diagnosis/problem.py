@@ -107,7 +107,7 @@ class Problem:
     def __post_init__(self) -> None:
         self.simulations = SimulationCache(self.records, self.step, self.alpha)
         rows: list[Rows] = []
-        pairs = [self.simulations.beside(name, self.arm) for name in self.records]
+        pairs = [self.simulations.run(name, self.arm) for name in self.records]
         motions = all(record.kind == "motion" for record in self.records.values())
         self.planar = motions and all(
             getattr(pair.simulation, "solver", {}).get("dimension") == 2 for pair in pairs
@@ -157,11 +157,11 @@ class Problem:
         if step == self.step:
             return self
         if step not in self._stepped:
-            found = self._stepped[step] = self.again()
+            found = self._stepped[step] = self.fresh()
             found.step, found.simulations = step, self.simulations.with_step(step)
         return self._stepped[step]
 
-    def again(self) -> Problem:
+    def fresh(self) -> Problem:
         """Return the same with no residual remembered, for other rows or records to be put in."""
         found = copy(self)
         found._residuals, found._stepped = OrderedDict(), {}
@@ -170,13 +170,13 @@ class Problem:
 
     def with_drives(self, records: Mapping[str, Record]) -> Problem:
         """Return the same rows against simulations along the drives of other records."""
-        found = self.again()
+        found = self.fresh()
         found.records, found.simulations = records, SimulationCache(records, self.step, self.alpha)
         return found
 
     def with_noise(self, times: Floats) -> Problem:
         """Return the same rows with more noise, times as much in each of `rows`."""
-        found = self.again()
+        found = self.fresh()
         found.rows = tuple(
             replace(
                 each,
@@ -190,7 +190,7 @@ class Problem:
 
     def without(self, out: NDArray[np.bool_]) -> Problem:
         """Fewer rows: without those of a mask of shape (n,)."""
-        found = self.again()
+        found = self.fresh()
         found.rows = tuple(rows_left(self.rows, out))
         return found
 
@@ -199,9 +199,9 @@ class Problem:
         key = _key(arm)
         if key not in self._residuals:
             found = np.empty(len(self))
-            beside = partial(self.simulations.beside, arm=arm)
-            for name, pair in zip(self.records, at_once(beside, self.records, self.jobs), strict=True):
-                self.put(found, name, pair)
+            run = partial(self.simulations.run, arm=arm)
+            for name, pair in zip(self.records, at_once(run, self.records, self.jobs), strict=True):
+                self.write_residual(found, name, pair)
             self._keep(key, found)
         return self._residuals[key]
 
@@ -212,7 +212,7 @@ class Problem:
         while len(self._residuals) > KEPT_RESIDUALS:
             self._residuals.popitem(last=False)
 
-    def put(
+    def write_residual(
         self, found: Floats, name: str, pair: SimulatedRecord, rows: Iterable[Rows] | None = None
     ) -> None:
         """Write the rows of one record into a residual, or some of them."""
@@ -238,7 +238,7 @@ class Problem:
         def put(run: tuple[Any, str]) -> None:
             key, name = run
             try:
-                self.put(found[key], name, self.simulations.beside(name, wanted[key]))
+                self.write_residual(found[key], name, self.simulations.run(name, wanted[key]))
             except (InvalidParameter, NotConverged):
                 failed.add(key)
 

@@ -20,7 +20,7 @@ TOLD = 1.0
 """Least swing that is told, over the noise."""
 
 
-def swings(fit: Fit, problem: Problem) -> Iterator[str]:
+def initial_transients(fit: Fit, problem: Problem) -> Iterator[str]:
     """Return a sentence for each record that begins with the arm swinging, which the gaps of a report still
     hold.
     """

@@ -58,9 +58,9 @@ class SimulationCache:
         found._kept = max(len(self.records), min(self._kept, int(self._kept * step / self.step)))
         return found
 
-    def beside(self, name: str, arm: Arm) -> SimulatedRecord:
+    def run(self, name: str, arm: Arm) -> SimulatedRecord:
         """Return a run of the model, beside the record that it repeats."""
-        return self._beside(name, self.records[name].applied_to(arm))
+        return self._run_of(name, self.records[name].applied_to(arm))
 
     def tilted(self, tilt: UncertainTilt, arm: Arm, turn: float) -> SimulatedRecord:
         """Return a run on a base that is turned further than its record states, by `turn` [rad]."""
@@ -69,9 +69,9 @@ class SimulationCache:
         x, y = record.base.tilt
         there = (x + turn, y) if tilt.axis == "x" else (x, y + turn)
         stand = record.base.replace(tilt=there)
-        return self._beside(tilt.record, record.replace(base=stand).applied_to(arm))
+        return self._run_of(tilt.record, record.replace(base=stand).applied_to(arm))
 
-    def _beside(self, name: str, carried: Arm) -> SimulatedRecord:
+    def _run_of(self, name: str, carried: Arm) -> SimulatedRecord:
         """Return a run of what a record makes of a model."""
         key = (name, *_mechanics(self.records[name], carried))
         run = self._runs.get(key)

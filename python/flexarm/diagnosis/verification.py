@@ -119,9 +119,9 @@ class Bench:
 
     def in_all(self, model: Arm) -> Gaps:
         """Return the same by any record."""
-        return compared(self.beside(model))
+        return compared(self.aligned(model))
 
-    def beside(self, model: Arm) -> dict[str, AlignedRecord]:
+    def aligned(self, model: Arm) -> dict[str, AlignedRecord]:
         """Return a model beside each record, sample by sample."""
         return self._aligned(model, {**self.training, **self.held_out})
 
@@ -188,7 +188,7 @@ def verified(
     open_gap : bool
         Whether what is left is to be described.
     """
-    runs, runs_after = bench.beside(arm), bench.beside(updated)
+    runs, runs_after = bench.aligned(arm), bench.aligned(updated)
     before, after = compared(runs), compared(runs_after)
     main = main_signal(bench.training, before)
     pairs, pairs_after = ({name: found[name] for name in bench.training} for found in (runs, runs_after))

@@ -41,7 +41,7 @@ from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.prediction import adequate_if_foretold, no_gap_of
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.quantisation import CoarseEncoder, with_coarse_encoders
-from flexarm.diagnosis.remarks import swings, unfitted, unweighed, weighed_loads
+from flexarm.diagnosis.remarks import initial_transients, unfitted, unweighed, weighed_loads
 from flexarm.diagnosis.repair import moved, repaired, worth_keeping
 from flexarm.diagnosis.result import Diagnosis, Verdict
 from flexarm.diagnosis.screening import probe
@@ -241,7 +241,7 @@ def _diagnosis(
             *weighed_loads(problem),
             *input_noise_remarks(input_noise | input_noise_by_signal(problem), problem),
             *(discretisation_remarks(problem) if choice.best.non_smooth else ()),
-            *swings(choice.best, problem),
+            *initial_transients(choice.best, problem),
             *seen.remarks,
             *law_remarks(missing, choice.best),
             *current().remarks,

@@ -55,7 +55,7 @@ def _turned(problem: Problem, arm: Arm, axis: Floats, turn: float) -> Floats:
     """Return derivatives of the residual with respect to a constant rotation, shape (n,)."""
     found = np.zeros(len(problem))
     for rows in problem.rows:
-        pair, placement = problem.simulations.beside(rows.record, arm), problem.placement[rows.record]
+        pair, placement = problem.simulations.run(rows.record, arm), problem.placement[rows.record]
         signal = pair.signals[rows.signal]
         frame = placement.frame(signal)
         ends = []

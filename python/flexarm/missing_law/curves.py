@@ -152,7 +152,7 @@ def stiffness_of(latent: Latent) -> float:
     assert latent.response is not None
     response = latent.response
     name = next(iter(response.bases))
-    run = response.problem.simulations.beside(name, response.arm).simulation
+    run = response.problem.simulations.run(name, response.arm).simulation
     k = [each.name for each in run.arm.moving_joints].index(latent.at)
     deflection = run.drive_angle[:, k] - run.joint_angle[:, k]
     square = float(deflection @ deflection)

@@ -78,7 +78,7 @@ def _runs(
     """Return the runs of a record without and with a law."""
     assert latent.response is not None
     arm, joint = latent.response.arm, latent.at
-    plain = run = runs.beside(name, arm).simulation
+    plain = run = runs.run(name, arm).simulation
     drive = runs.drive(name, runs.records[name].applied_to(arm)).joints[joint]
     basis = TimeBasis.over(float(run.time[0]), float(run.time[-1]), policy)
     fine = basis.fine(policy)

@@ -68,7 +68,7 @@ def joint_states(latent: Latent, policy: LawPolicy) -> States:
     for (name, basis), time in zip(response.bases.items(), times, strict=True):
         run = response.run(name, parts[name]).simulation
         followed = states_of(run, latent.at, basis.places, joint.gear_ratio)
-        drive.append(response.problem.simulations.beside(name, response.arm).simulation.drive_angle[:, k])
+        drive.append(response.problem.simulations.run(name, response.arm).simulation.drive_angle[:, k])
         for key, array in ARRAYS.items():
             greatest[key] = max(greatest[key], float(np.abs(getattr(run, array)).max()))
         for key, values in states_of(run, latent.at, time, joint.gear_ratio).items():

@@ -94,7 +94,7 @@ class WindupResponse:
             poses = isinstance(basis, PoseBasis)
             unit = policy.perturbation * (np.ones(len(basis)) if poses else np.eye(len(basis))[j])
             after = nothing.copy()
-            coarse.put(after, name, wound_run(coarse, arm, name, joint, basis, unit))
+            coarse.write_residual(after, name, wound_run(coarse, arm, name, joint, basis, unit))
             change = (after - nothing) / policy.perturbation  # eq. (2)
             if not poses:
                 found[:, first[name] + j] = change
@@ -125,7 +125,7 @@ class WindupResponse:
         before = self.problem.residual(self.arm)
         after = before.copy()
         for name, each in self.parts(coefficients).items():
-            self.problem.put(after, name, self.run(name, each))
+            self.problem.write_residual(after, name, self.run(name, each))
         found: Floats = after - before
         return found
 

@@ -11,7 +11,7 @@ from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.remarks import swings
+from flexarm.diagnosis.remarks import initial_transients
 from flexarm.errors import InvalidParameter
 from flexarm.report.sentences import hold_out_sentence
 from flexarm.validation.sensor_check import check, clean_records
@@ -98,7 +98,8 @@ def test_a_record_of_which_no_row_is_evidence_swings_with_nothing():
     """As where its noise is not known; what is left of it is a record without residuals."""
     problem = Problem(crane(), {"one": poses(8), "other": poses(6, seed=1)})
     problem.rows = tuple(rows for rows in problem.rows if rows.record == "one")
-    assert list(swings(Estimator.nominal(problem, nuisance_model(problem)).fit(()), problem)) == []
+    fit = Estimator.nominal(problem, nuisance_model(problem)).fit(())
+    assert list(initial_transients(fit, problem)) == []
 
 
 def test_a_signal_that_no_model_predicts_is_told_once_by_a_diagnosis_and_its_report():

@@ -151,11 +151,11 @@ def test_runs_in_shorter_steps_fill_no_more_memory(run):
     seen = {}
     for step in (0.08, 0.04, 0.02):
         there = SimulationCache({"run": run.record}, 0.04, -0.05).with_step(step)
-        each = [weakref.ref(there.beside("run", arm).simulation) for arm in stretched]
+        each = [weakref.ref(there.run("run", arm).simulation) for arm in stretched]
         gc.collect()
         seen[step] = sum(ref() is not None for ref in each)
     assert seen == {0.08: 8, 0.04: 8, 0.02: 4}
     many = SimulationCache({f"day {k}": run.record for k in range(9)}, 0.04, -0.05).with_step(0.01)
     for name in 2 * list(many.records):
-        many.beside(name, arm)
+        many.run(name, arm)
     assert many.made == 9

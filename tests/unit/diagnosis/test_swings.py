@@ -11,7 +11,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.initial_conditions import FINER, HEIGHT, initial_condition_jacobian
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.remarks import swings
+from flexarm.diagnosis.remarks import initial_transients
 from flexarm.diagnosis.uncertainty import estimates
 from flexarm.drive.lead_in import LEAD
 from flexarm.record import Clock, Frame
@@ -68,7 +68,7 @@ def test_columns_are_in_proportion(problem):
     [column] = initial_condition_jacobian(problem, problem.arm, [start]).T
     finer = problem.with_step(problem.step / FINER)
     high = finer.residual(problem.arm).copy()
-    finer.put(high, "late", finer.simulations.jerked(start, problem.arm, 20 * HEIGHT))
+    finer.write_residual(high, "late", finer.simulations.jerked(start, problem.arm, 20 * HEIGHT))
     move = (high - finer.residual(problem.arm)) / (20 * HEIGHT)
     assert np.linalg.norm(move - column) < 1e-3 * np.linalg.norm(column)
 
@@ -77,7 +77,7 @@ def test_it_is_told_and_is_no_value_of_the_model(problem, fit):
     found = estimates(fit, problem)
     assert not found.nuisances
     assert not found.refined
-    [sentence] = swings(fit, problem)
+    [sentence] = initial_transients(fit, problem)
     assert sentence.startswith("late begins with the arm swinging, by up to")
     assert " mm at tip" in sentence
 

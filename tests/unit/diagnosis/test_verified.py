@@ -11,7 +11,7 @@ from flexarm.validation.sensor_check import check
 
 def test_a_bench_simulates_with_the_damping_that_it_is_given():
     bench = Bench({"swing": record(1)}, {}, step=0.01, alpha=0.0, jobs=1)
-    [seen] = bench.beside(nominal()).values()
+    [seen] = bench.aligned(nominal()).values()
     assert (seen.simulated.simulation.solver["step"], seen.simulated.simulation.solver["alpha"]) == (
         0.01,
         0.0,

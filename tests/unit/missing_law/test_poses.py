@@ -148,7 +148,7 @@ def test_a_joint_that_stands_still_has_no_law_over_its_angle():
     shoulder = one.signals["shoulder"]
     still = shoulder.replace(values=np.full_like(shoulder.values, 0.3))
     elbow = one.replace(signals={**one.signals, "shoulder": still})
-    seen = Problem(nominal(), {"a": elbow}, jobs=1).simulations.beside("a", nominal())
+    seen = Problem(nominal(), {"a": elbow}, jobs=1).simulations.run("a", nominal())
     tip = one.signals["tip"]
     loads = np.random.default_rng(0).normal(0, 1e-3, tip.values.shape)
     moved = tip.replace(values=seen.predicted(tip, stated_placement(elbow)) + loads)
