@@ -111,12 +111,10 @@ def missing_laws(
         found = [_as_foretold(each) for each in about.laws()]
         fitted = (each for each in found if each.added is not None)
         added = next((each.added for each in fitted if check.accepts(each.curve.held_out, policy)), None)
-        tried.append(MissingLaws(tuple(each.curve for each in found), added))
+        tried.append(MissingLaws(tuple(each.curve for each in found), added, "" if found else NOTHING))
         if added is not None:
             return tried[-1]
         evidence.append(about.evidence)
-    if not any(each.curves for each in tried):
-        return MissingLaws(why=NOTHING)
     likely = sorted(range(len(tried)), key=lambda k: -evidence[k])
     return next((tried[k] for k in likely if tried[k].has_state), tried[-1])
 

@@ -2,6 +2,7 @@
 
 import json
 from math import exp, gamma, log, pi, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,9 +18,10 @@ from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.family import EffectFamily, family_of
 from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
-from flexarm.diagnosis.moves.families import without_idle_places
+from flexarm.diagnosis.moves.families import _in_place_of_singles, without_idle_places
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.screening import Probed
 from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.effects.joint_tilt_compliance import JointTiltCompliance
@@ -196,6 +198,18 @@ def test_zeros_of_all_encoders_are_one_family():
     for estimate in effect.parameters[1:]:
         value = zeros[estimate.name.removesuffix(".offset")]
         assert abs(estimate.value - value) < 4 * estimate.std
+
+
+def test_a_family_takes_the_place_of_singles_and_not_of_a_family_that_places_left():
+    class Tried:
+        def trial(self, members, best, limit):
+            return members
+
+    whole, single = family(), family().members[0]
+    for known, replaced in ((single, True), (family(shared=False).without_place("j1"), False)):
+        best = SimpleNamespace(members=(known,))
+        found = _in_place_of_singles(Tried(), [Probed(whole, np.zeros((1, 2)))], best, 1.0)
+        assert [[m.at for m in members] for members in found] == ([[("j1", "j2")]] if replaced else [])
 
 
 def test_places_leave_each_of_two_families():

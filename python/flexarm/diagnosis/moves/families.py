@@ -115,6 +115,8 @@ def _in_place_of_singles(about: Estimator, probed: Sequence[Probed], best: Fit, 
     found: list[Fit] = []
     for family in {p.candidate.name: p.candidate for p in reversed(probed)}.values():
         there = [m for m in best.members if m.spots < family.spots]
+        if any(isinstance(m, EffectFamily) for m in there):  # places have left it
+            continue
         if not there or not isinstance(family, EffectFamily) or not family.shared:
             continue
         sized = {name: there[0].value_of(name) for name in family.free}
