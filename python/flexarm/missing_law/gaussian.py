@@ -18,7 +18,7 @@ is v (1 + U U^T), and a block b left out has the predictive density [Rasmussen20
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,8 @@ class GaussianModel:
 
     data: GaussianData
     """y and B."""
+    size: float
+    """s."""
     factor: Floats
     """s A, shape (n, m)."""
     noise: float
@@ -72,34 +74,12 @@ class GaussianModel:
     @classmethod
     def of(cls, data: GaussianData, columns: Floats) -> GaussianModel:
         """Maximise (2) for A = columns, over a grid of s and v."""
-        return max(cls.likely(data, columns, 0.0), key=lambda each: each.log_evidence)
+        return ColumnSpace.of(data, columns).model(np.eye(columns.shape[1]))
 
     @classmethod
     def likely(cls, data: GaussianData, columns: Floats, reach: float) -> list[GaussianModel]:
         """Return the models of all s on a grid whose (2), at the best v, is within reach of the greatest."""
-        n = len(data.y)
-        a, y = data.projection.project(columns), data.projection.project(data.y)
-        values, vectors = np.linalg.eigh(a.T @ a)
-        values = np.maximum(values, 0.0)
-        c = vectors.T @ (a.T @ y)
-        yy, greatest = float(y @ y), float(values.max(initial=0.0)) or 1.0
-        s2 = np.concatenate([[0.0], np.geomspace(1.0, 1e12, 61) / greatest])[:, None, None]
-        v = np.geomspace(1.0, max(yy / n, 1.0) * 1.01, 25)[None, :, None]
-        square = yy - np.sum(s2 * c**2 / (v + s2 * values), axis=2)
-        logs = np.sum(np.log1p(s2 * values / v), axis=2)
-        found = -0.5 * (n * np.log(v[:, :, 0]) + logs + square / v[:, :, 0])  # eq. (2)
-        best = np.argmax(found, axis=1)
-        greatest_found = found.max()
-        return [
-            cls(
-                data,
-                float(np.sqrt(s2[i, 0, 0])) * columns,
-                float(v[0, j, 0]),
-                float(found[i, j]),
-            )
-            for i, j in enumerate(best)
-            if found[i, j] >= greatest_found - reach
-        ]
+        return ColumnSpace.of(data, columns).models(np.eye(columns.shape[1]), reach)
 
     def _whitened(self) -> tuple[Floats, Floats]:
         """Return U and the Cholesky factor of 1 + U^T U."""
@@ -148,6 +128,70 @@ class GaussianModel:
         mean, _ = self.posterior()
         rest = self.data.projection.project(self.data.y - self.factor @ mean)
         return float(rest @ rest)
+
+
+@dataclass(frozen=True, eq=False)
+class ColumnSpace:
+    """Columns R, shape (n, m), of which A = R L is made for many L, shape (m, k), and what (2) needs."""
+
+    data: GaussianData
+    """y and B."""
+    columns: Floats
+    """R."""
+    gram: Floats
+    """(P R)^T P R, shape (m, m)."""
+    moment: Floats
+    """(P R)^T P y, shape (m,)."""
+    square: float
+    """|P y|^2."""
+
+    @classmethod
+    def of(cls, data: GaussianData, columns: Floats) -> ColumnSpace:
+        """Project columns and data."""
+        projected, y = data.projection.project(columns), data.projection.project(data.y)
+        return cls(data, columns, projected.T @ projected, projected.T @ y, float(y @ y))
+
+    def about(self, data: GaussianData) -> ColumnSpace:
+        """Return the same columns for another y."""
+        y = data.projection.project(data.y)
+        moment = data.projection.project(self.columns).T @ y
+        return replace(self, data=data, moment=moment, square=float(y @ y))
+
+    def log_evidence(self, root: Floats) -> float:
+        """Return the greatest (2) for A = R L."""
+        return float(self._evidence(root)[0].max())
+
+    def model(self, root: Floats) -> GaussianModel:
+        """Return the model of the greatest (2) for A = R L."""
+        return max(self.models(root, 0.0), key=lambda each: each.log_evidence)
+
+    def models(self, root: Floats, reach: float) -> list[GaussianModel]:
+        """Return the models of all s on a grid whose (2), at the best v, is within reach of the greatest."""
+        found, sizes, noises = self._evidence(root)
+        best = np.argmax(found, axis=1)
+        likely = [(i, j) for i, j in enumerate(best) if found[i, j] >= found.max() - reach]
+        columns = self.columns @ root
+        return [
+            GaussianModel(
+                self.data, float(sizes[i]), sizes[i] * columns, float(noises[j]), float(found[i, j])
+            )
+            for i, j in likely
+        ]
+
+    def _evidence(self, root: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return (2) over a grid, shape (s, v), and the values of s and v."""
+        n, yy = len(self.data.y), self.square
+        values, vectors = np.linalg.eigh(root.T @ self.gram @ root)
+        values = np.maximum(values, 0.0)
+        c = vectors.T @ (root.T @ self.moment)
+        greatest = float(values.max(initial=0.0)) or 1.0
+        sizes2 = np.concatenate([[0.0], np.geomspace(1.0, 1e12, 61) / greatest])
+        noises = np.geomspace(1.0, max(yy / n, 1.0) * 1.01, 25)
+        s2, v = sizes2[:, None, None], noises[None, :, None]
+        square = yy - np.sum(s2 * c**2 / (v + s2 * values), axis=2)
+        logs = np.sum(np.log1p(s2 * values / v), axis=2)
+        found = -0.5 * (n * np.log(noises) + logs + square / noises)  # eq. (2)
+        return found, np.sqrt(sizes2), noises
 
 
 def matern_root(places: Floats, length: float) -> Floats:

@@ -29,7 +29,7 @@ from flexarm.diagnosis.problem import Problem
 from flexarm.drive.doubts import slides
 from flexarm.missing_law.base import BASE, base_responses
 from flexarm.missing_law.basis import Basis, TimeBasis, lengths_of
-from flexarm.missing_law.gaussian import GaussianData, GaussianModel
+from flexarm.missing_law.gaussian import ColumnSpace, GaussianData, GaussianModel
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.windup import WindupResponse, driven_joints
 
@@ -134,32 +134,27 @@ def _inferred(
     jacobian = response.jacobian / scale[:, None]
     residual = fit.residual / scale
     data = GaussianData(-residual, projection)
-    bases = list(response.bases.values())
+    bases, space = list(response.bases.values()), ColumnSpace.of(data, jacobian)
     for round_ in range(policy.linearisations + 1):
-        model, mean, deviation, length = _most_likely(data, jacobian, bases, policy)
+        model, mean, deviation, length = _most_likely(space, bases, policy)
         if round_ < policy.linearisations:
             moved = response.moved(mean) / scale
-            data = GaussianData(-(residual + moved - jacobian @ mean), projection)  # eq. (2)
-    return Latent(at, quantity, unit, data, model, length, mean, deviation, bases, response)
+            space = space.about(GaussianData(-(residual + moved - jacobian @ mean), projection))  # eq. (2)
+    return Latent(at, quantity, unit, space.data, model, length, mean, deviation, bases, response)
 
 
 def _most_likely(
-    data: GaussianData, jacobian: Floats, bases: Sequence[Basis], policy: LawPolicy
+    space: ColumnSpace, bases: Sequence[Basis], policy: LawPolicy
 ) -> tuple[GaussianModel, Floats, Floats, float]:
     """Return (1) with the most likely length, mean and root of the covariance of c, and that length."""
-    found = []
-    for length in lengths_of(bases, policy):
-        root = block_diag(*(basis.root(length) for basis in bases))
-        found.append((GaussianModel.of(data, jacobian @ root), root, length))
-    model, root, length = max(found, key=lambda each: each[0].log_evidence)
-    root = root * size_of(model, jacobian @ root)
+    roots = {
+        length: block_diag(*(basis.root(length) for basis in bases)) for length in lengths_of(bases, policy)
+    }
+    length = max(roots, key=lambda each: space.log_evidence(roots[each]))
+    model = space.model(roots[length])
+    root = roots[length] * model.size
     mean, deviation = model.posterior()
     return model, root @ mean, root @ (np.sqrt(model.noise) * deviation), length
-
-
-def size_of(model: GaussianModel, columns: Floats) -> float:
-    """Return s of a model of columns."""
-    return float(np.linalg.norm(model.factor) / max(float(np.linalg.norm(columns)), 1e-300))
 
 
 def _exact(
@@ -175,7 +170,8 @@ def _exact(
     """Return the latent motion of a place whose response is linear; jacobian has shape (n, m)."""
     scale = noise_scale(problem, fit)
     data = GaussianData(-fit.residual / scale, nuisance_projection(problem, fit))
-    model, mean, deviation, length = _most_likely(data, jacobian / scale[:, None], bases, policy)
+    space = ColumnSpace.of(data, jacobian / scale[:, None])
+    model, mean, deviation, length = _most_likely(space, bases, policy)
     return Latent(at, quantity, unit, data, model, length, mean, deviation, bases)
 
 

@@ -29,8 +29,8 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.problem import Problem
 from flexarm.law_curve import LawKind
-from flexarm.missing_law.gaussian import GaussianModel, matern_root
-from flexarm.missing_law.latent import Latent, noise_scale, size_of
+from flexarm.missing_law.gaussian import ColumnSpace, GaussianModel, matern_root
+from flexarm.missing_law.latent import Latent, noise_scale
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.states import States
 
@@ -148,7 +148,8 @@ class LawSearch:
         bases = latent.response.bases.values()
         splines = [basis.at(basis.fine(policy)) for basis in bases]
         inverse = block_diag(*(np.linalg.inv(each.T @ each) for each in splines))
-        self.response = (latent.response.jacobian / noise_scale(problem, fit)[:, None]) @ inverse
+        response = (latent.response.jacobian / noise_scale(problem, fit)[:, None]) @ inverse
+        self.space = ColumnSpace.of(latent.data, response)
         self.splines = sparse_diagonal(splines).tocsr()
         self.explained = max(self.left_without - latent.model.left(), 1e-300)
 
@@ -206,18 +207,21 @@ class LawSearch:
         sides = self._sides(*when)
         if min(map(np.count_nonzero, sides)) < len(self.states.time) // self.policy.instants:
             return -np.inf
-        return self._model(of, sides, length)[0].log_evidence
+        return self.space.log_evidence(self._root(of, sides, length)[0])
 
-    def _model(self, of: str, masks: Sequence[Mask], length: float) -> tuple[GaussianModel, Floats, Floats]:
+    def _root(self, of: str, masks: Sequence[Mask], length: float) -> tuple[Floats, Floats, Floats]:
+        """Return what turns unit normals into coefficients of splines, and into values at knots; knots."""
         y = self.states.values[of]
         knots = knots_over(of, y, self.policy)
         between = _interpolation(y, knots)
         parts = [(self.splines.T @ between.multiply(mask[:, None])).toarray() for mask in masks]
-        design = np.column_stack(parts)
         root = block_diag(*[curve_matern(len(knots), length)] * len(masks))
-        columns = self.response @ (design @ root)
-        model = GaussianModel.of(self.latent.data, columns)
-        return model, root * size_of(model, columns), knots
+        return np.column_stack(parts) @ root, root, knots
+
+    def _model(self, of: str, masks: Sequence[Mask], length: float) -> tuple[GaussianModel, Floats, Floats]:
+        to_splines, root, knots = self._root(of, masks, length)
+        model = self.space.model(to_splines)
+        return model, root * model.size, knots
 
     def _fitted(
         self,

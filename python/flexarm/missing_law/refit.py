@@ -40,7 +40,7 @@ from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.uncertainty import Estimates, estimates_at
 from flexarm.effects.tabulated_law import TabulatedLaw
 from flexarm.missing_law.gaussian import GaussianData, GaussianModel
-from flexarm.missing_law.latent import noise_scale, nuisance_projection, size_of
+from flexarm.missing_law.latent import noise_scale, nuisance_projection
 from flexarm.missing_law.law import curve_matern
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.named_effects import Estimate
@@ -243,7 +243,7 @@ class _Linearised:
             root = self.modes @ (self.modes.T @ curve_root(knots, length, policy))
             columns = jacobian @ root
             for model in GaussianModel.likely(data, columns, estimator.problem.policy.reach):
-                tried.append((model, root * size_of(model, columns)))
+                tried.append((model, root * model.size))
         mixture = _Mixture.of(tried)
         beside = mixture.nuisance
         values = mixture.values
