@@ -49,6 +49,25 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class PlausibleRange:
+    """What was held plausible of a fitted parameter before the records were seen: its prior."""
+
+    effect: str
+    at: str | tuple[str, ...]
+    parameter: str
+    """Of which effect, where, and which of its parameters."""
+    low: float
+    typical: float
+    high: float
+    """Range that holds 95 % of machines, all of them if `uniform`, and the most plausible value [unit]."""
+    unit: str
+    uniform: bool
+    """Whether every value of the range is as plausible as the others."""
+    source: str
+    """Where the values come from, one sentence."""
+
+
+@dataclass(frozen=True)
 class FitStatistics:
     """What a reader checks a fit by."""
 
@@ -58,5 +77,7 @@ class FitStatistics:
     """The strongest ones, these first."""
     motions: tuple[Motion, ...] = ()
     """Conditions under which the model was tried."""
+    priors: tuple[PlausibleRange, ...] = ()
+    """Of the parameters of effects, in the order of the effects."""
     unseen: tuple[str, ...] = ()
     """Effects of the vocabulary that these signals could not have shown."""

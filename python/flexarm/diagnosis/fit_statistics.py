@@ -24,7 +24,7 @@ from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.generalised_least_squares import NormalEquations, joint_jacobian
 from flexarm.diagnosis.hold_out import rms_rate
 from flexarm.diagnosis.problem import Problem
-from flexarm.fit_statistics import ChannelStatistics, Correlation, FitStatistics, Motion
+from flexarm.fit_statistics import ChannelStatistics, Correlation, FitStatistics, Motion, PlausibleRange
 from flexarm.wording import place_words
 
 STRONGEST = 12
@@ -37,6 +37,7 @@ def fit_statistics(fit: Fit, problem: Problem) -> FitStatistics:
         tuple(_channels(fit, problem)),
         _correlations(fit),
         tuple(_motions(problem)),
+        tuple(_priors(fit)),
         unseen_effects(problem, fit.nuisance.arm),
     )
 
@@ -56,6 +57,23 @@ def _channels(fit: Fit, problem: Problem) -> Iterator[ChannelStatistics]:
             size = float(np.mean(process.variances) - np.min(process.variances))
         yield ChannelStatistics(
             each.record, each.signal, each.channel, n, square / n, autocorrelation, size**0.5, length
+        )
+
+
+def _priors(fit: Fit) -> Iterator[PlausibleRange]:
+    for parameter in fit.parameters:
+        name, at = fit.members[parameter.candidate].place
+        prior = parameter.prior
+        yield PlausibleRange(
+            name,
+            at,
+            parameter.name,
+            prior.low,
+            prior.typical,
+            prior.high,
+            prior.unit,
+            prior.scale == "uniform",
+            prior.source,
         )
 
 

@@ -22,6 +22,7 @@ from flexarm.report.gap_figures import by_band, gap_along, waterfall
 from flexarm.report.law_figures import laws
 from flexarm.report.report_file import provenance_of
 from flexarm.report.sentences import rivals_sentence
+from flexarm.report.sheets import sheet
 from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints, states_drawn
 from flexarm.report.storage import GAPS, MODEL, REPORT, gap_contents
 from flexarm.wording import listed, place_words, probability
@@ -74,6 +75,25 @@ def _figures(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
     for effect in d.effects:
         for file in d.figures_of(effect):
             yield file.removesuffix(".png"), "effects", "", of_effect(d, effect)
+    yield (
+        "arm",
+        "conditions",
+        "The nominal arm without its bending, each driven joint in the middle of its range.",
+        sketch(d),
+    )
+
+
+def sketch(d: Diagnosis) -> Figure | None:
+    """Draw the arm in the middle of the motions that were fitted; None if none were."""
+    ranges: dict[str, list[float]] = {}
+    for each in d.statistics.motions:
+        ranges.setdefault(each.joint, []).extend((each.lowest, each.highest))
+    if not ranges:
+        return None
+    middle = {joint: (min(ends) + max(ends)) / 2 for joint, ends in ranges.items()}
+    figure, axes = sheet(1, 1, 3.2, legend=False)
+    d.arm.plot(axes[0, 0], middle).set_title("")
+    return figure
 
 
 def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:

@@ -79,6 +79,7 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         channels=list(channel_rows(d.statistics)),
         correlations=list(correlation_rows(d.statistics)),
         motions=list(motion_rows(d.statistics)),
+        priors=list(prior_rows(d.statistics)),
         unseen=unseen_sentence(d.statistics),
         laws=law_rows(d),
         drawn=drawings,
@@ -241,6 +242,15 @@ def motion_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
         low, high = (_minus(number(factor * end, 3)) for end in (each.lowest, each.highest))
         rate = "–" if each.rms_rate is None else f"{number(each.rms_rate, 3)} {each.unit}/s"
         yield {"record": each.record, "joint": each.joint, "range": f"{low} to {high} {unit}", "rate": rate}
+
+
+def prior_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
+    """Return a row for each parameter of an effect: what was held plausible of it beforehand."""
+    for each in statistics.priors:
+        typical = "–" if each.uniform else _minus(with_unit(each.typical, each.unit))
+        low, high = (_minus(with_unit(end, each.unit)) for end in (each.low, each.high))
+        title = f"{each.parameter} of {place_words(each.effect, each.at)}"
+        yield {"parameter": title, "low": low, "typical": typical, "high": high, "source": each.source}
 
 
 def unseen_sentence(statistics: FitStatistics) -> str:

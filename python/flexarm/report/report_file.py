@@ -184,12 +184,27 @@ class MotionEntry(Entry):
     rms_rate: Known
 
 
+class PriorEntry(Entry):
+    """What was held plausible of a fitted parameter beforehand."""
+
+    effect: str
+    at: str | list[str]
+    parameter: str
+    low: float
+    typical: float
+    high: float
+    unit: str
+    uniform: bool
+    source: str
+
+
 class StatisticsEntry(Entry):
     """What a reader checks the fit by."""
 
     channels: list[ChannelEntry] = Field(default_factory=list)
     correlations: list[CorrelationEntry] = Field(default_factory=list)
     motions: list[MotionEntry] = Field(default_factory=list)
+    priors: list[PriorEntry] = Field(default_factory=list)
     unseen: list[str] = Field(default_factory=list)
 
 

@@ -5,6 +5,7 @@ import pytest
 
 import flexarm
 from flexarm.fit_statistics import FitStatistics
+from flexarm.report.diagnosis import sketch
 from flexarm.report.diagnosis_page import page
 from flexarm.report.report_file import report_dict
 
@@ -41,6 +42,24 @@ def test_correlations_are_those_of_different_parameters_the_strongest_first(foun
     assert all(each.parameters[0] != each.parameters[1] for each in found.statistics.correlations)
 
 
+def test_priors_are_those_of_the_named_effect_where_it_sits(found):
+    """Of a spring its stiffness and its damping; in between lie 95 % of machines."""
+    (effect,) = found.effects
+    told = {each.parameter: each for each in found.statistics.priors}
+    assert {(each.effect, each.at) for each in told.values()} == {(effect.name, effect.at)}
+    stated = flexarm.effects.JointCompliance.typical("hinge", diagnoses.nominal()).priors(diagnoses.nominal())
+    assert told["stiffness"].low == stated["stiffness"].low
+    assert told["stiffness"].low < told["stiffness"].typical < told["stiffness"].high
+    assert told["stiffness"].unit == "N m/rad"
+
+
+def test_the_arm_is_drawn_where_the_records_move_it(found):
+    """Both records swing about zero, where the rod of the arm lies along x."""
+    figure = sketch(found)
+    assert figure.axes[0].get_xlabel() == "x [m]"
+    assert sketch(diagnoses.ALL["unusable"]()) is None
+
+
 def test_a_tracker_alone_shows_no_friction_of_a_motor(found):
     assert "motor_friction" in found.statistics.unseen
     assert "joint_compliance" not in found.statistics.unseen
@@ -48,7 +67,7 @@ def test_a_tracker_alone_shows_no_friction_of_a_motor(found):
 
 def test_the_page_tells_them_and_files_keep_them(found, tmp_path):
     text = page(found, [], report_dict(found))
-    for told in ("χ²/n", "−0.7", "could not have shown", "motor friction"):
+    for told in ("χ²/n", "−0.7", "could not have shown", "motor friction", "most plausible"):
         assert told in text, told
     found.save(tmp_path / "out")
     assert flexarm.Diagnosis.load(tmp_path / "out").statistics == found.statistics
