@@ -41,33 +41,16 @@ _places: dict[Path, Path] = {}
 def output_directory(
     path: str | Path, force: bool = False, inputs: Iterable[Path] = (), names: Iterable[str] = ()
 ) -> Iterator[Path]:
-    """Yield a directory to write into, which becomes `path` if the block ends without an error.
+    """Yield a hidden directory to write into, which becomes `path` if the block ends without an error.
 
-    Parameters
-    ----------
-    path : str or Path
-        Where the output shall be; parents are made.
-    force : bool
-        Write into a directory that holds files. Files of the same name are replaced, one after the other,
-        and others stay; figures of a former report go with its page.
-    inputs : iterable of Path
-        Files that are never replaced.
-    names : iterable of str
-        Files that will be written, where they are known: so an input is found before the work.
+    Parents of `path` are made. With `force` it may hold files: those of the same name are replaced, one after
+    the other, and others stay; figures of a former report go with its page. Files of `inputs` are never
+    replaced; `names` are files that will be written, where they are known: so an input is found before the
+    work.
 
-    Yields
-    ------
-    Path
-        A hidden directory.
+    Raise InvalidFile if `path` is a file, holds files without `force`, is being written by another process,
+    would lose an input, or cannot be written.
 
-    Raises
-    ------
-    InvalidFile
-        If `path` is a file, holds files without `force`, is being written by another process, would lose an
-        input, or cannot be written.
-
-    Examples
-    --------
     >>> with output_directory("results") as directory:  # doctest: +SKIP
     ...     (directory / "summary.json").write_text("{}")
     """

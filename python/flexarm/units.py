@@ -75,17 +75,10 @@ def ratio_factor(
 ) -> tuple[tuple[str, str], float]:
     """Return the SI units of a ratio and the factor to them: `"mm/kN"` is 1e-6 m/N.
 
-    Parameters
-    ----------
-    unit : str or None
-        What the file says, such as "rad/(N m)"; "1" for a ratio of like units; None: SI.
-    above, below : tuple of str
-        SI units that fit, the first ones by default.
+    `unit` is what the file says, such as "rad/(N m)", "1" for a ratio of like units, None for SI; `above` and
+    `below` are SI units that fit, the first ones by default.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is no ratio of such units.
+    Raise InvalidParameter if it is no ratio of such units.
 
     >>> ratio_factor("mm/(kN)", ("m",), ("N", "kg"))
     (('m', 'N'), 1e-06)

@@ -136,10 +136,7 @@ class Effect(EffectTraits):
     def derivative(self, parameter: str) -> Derivative:
         """Return which derivative predictions have with respect to a parameter.
 
-        Returns
-        -------
-        {"smooth", "one-sided", "none"}
-            "one-sided" where left and right derivative differ at this value, "none" where there is neither.
+        "one-sided" where left and right derivative differ at this value, "none" where there is neither.
         """
         return "smooth"
 

@@ -33,33 +33,22 @@ RESERVED = ("sample", "status", "reason", "seconds", "block", "time", "axis", "m
 
 @dataclass(frozen=True)
 class Plan:
-    """A study that can be run.
-
-    Attributes
-    ----------
-    file : Path
-        Of the study.
-    study : Study
-        Its tables.
-    arm : Arm
-        The nominal model.
-    job : Job
-        For the workers.
-    cases : tuple of Case
-        Drives or records; every variant runs through each.
-    values : ndarray, shape (variants, parameters)
-        Samples of the parameters.
-    remarks : tuple of Problem
-        What the user should know.
-    """
+    """A study that can be run."""
 
     file: Path
+    """Of the study."""
     study: Study
+    """Its tables."""
     arm: Arm
+    """The nominal model."""
     job: Job
+    """For the workers."""
     cases: tuple[Case, ...]
+    """Drives or records; every variant runs through each."""
     values: Floats
+    """Samples of the parameters. Shape (variants, parameters)."""
     remarks: tuple[Problem, ...]
+    """What the user should know."""
 
     @property
     def count(self) -> int:

@@ -123,22 +123,11 @@ def _swing() -> str:
 
 
 def joined(stops: Sequence[float], seconds: float) -> tuple[Floats, Floats]:
-    """Return minimum-jerk moves from stop to stop [Flash1985].
+    """Return time [s] and angle [rad] of minimum-jerk moves from stop to stop [Flash1985], a sample every 4
+    ms.
 
-    Parameters
-    ----------
-    stops : sequence of float
-        Angles [rad], two or more.
-    seconds : float
-        From one stop to the next.
+    `stops` are two or more angles [rad], `seconds` the time from one to the next; the last stop is included.
 
-    Returns
-    -------
-    time, angle : ndarray
-        Samples every 4 ms, the last stop included [s, rad].
-
-    Examples
-    --------
     >>> time, angle = joined([0.0, 1.0], 2.0)
     >>> float(angle[0]), round(float(angle[250]), 6), float(angle[-1])
     (0.0, 0.5, 1.0)

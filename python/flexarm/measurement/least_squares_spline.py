@@ -46,28 +46,13 @@ def fit_spline(
     equal: Collection[int] = (),
     penalty: Floats | None = None,
 ) -> tuple[BSpline, Floats]:
-    """Return the least-squares cubic spline (1) whose breaks are samples.
+    """Return the least-squares cubic spline (1) whose breaks are samples, and its values at all samples (n,).
 
-    Parameters
-    ----------
-    time, values : ndarray, shape (n,)
-        Rising times and the samples.
-    breaks : ndarray of int, shape (m + 1,)
-        Rising indices of the samples that are breaks; the first is 0 and the last n - 1, and most of them at
-        least two apart: there must be no more coefficients than samples.
-    at_rest : bool
-        True for a slope of zero at the first break.
-    equal : collection of int
-        Coefficients, of 1 to m + 2, that are equal to the one before.
-    penalty : ndarray, shape (m - 1,), optional
-        Weights w of (3) at the inner breaks.
-
-    Returns
-    -------
-    spline : BSpline
-        The spline.
-    fitted : ndarray, shape (n,)
-        Its values at the samples.
+    `time` rises, of shape (n,) as `values`. `breaks` (m + 1,) are rising indices of samples from 0 to n - 1,
+    most of them at least two apart: there must be no more coefficients than samples. With `at_rest` the slope
+    at the first break is zero. `equal` are coefficients, of 1 to m + 2, that are equal to the one before.
+    `penalty`
+    (m - 1,) are the weights w of (3) at the inner breaks.
     """
     from scipy.interpolate import BSpline
     from scipy.linalg import solveh_banded

@@ -37,14 +37,7 @@ def with_penalty(
 ) -> tuple[Indices, frozenset[int], Floats]:
     """Return dense breaks, the equal coefficients of their spline, and the weights w of (1) at inner breaks.
 
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        Times of the samples [s].
-    breaks : ndarray of int, shape (m + 1,)
-        Sparse breaks, as of `least_squares_spline.fit_spline`.
-    equal : collection of int
-        Coefficients that are equal to the one before.
+    `time` [s], sparse `breaks` and `equal` coefficients are as of `least_squares_spline.fit_spline`.
     """
     counts = np.diff(breaks)
     parts = np.clip(counts // 2, 1, FINER)  # dense breaks are at least two samples apart

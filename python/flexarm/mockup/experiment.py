@@ -89,27 +89,12 @@ def virtual_measurement(
     step: float = 1e-3,
     progress: Progress = None,
 ) -> tuple[Record, Simulation]:
-    """Run the virtual mock-up and measure it.
+    """Run the virtual mock-up and measure it; by default the paper's experiment on the arm that ships with
+    flexarm.
 
-    Parameters
-    ----------
-    experiment : Experiment, optional
-        Default: the paper's.
-    arm : Arm, optional
-        Default: the virtual mock-up that ships with flexarm.
-    seed : int
-        Of all noise, and of the errors of the tracker's clock and frame.
-    step : float
-        Longest time step [s].
-    progress : bool or callable, optional
-        As in `flexarm.simulate`.
-
-    Returns
-    -------
-    record : Record
-        Encoder and the tracker's two reflectors; the encoder drives.
-    truth : Simulation
-        The motion itself, which no sensor knows.
+    The record holds an encoder, which drives, and the tracker's two reflectors; the simulation is the motion
+    itself, which no sensor knows. `seed` is of all noise, and of the errors of the tracker's clock and frame;
+    `step` the longest time step [s]; `progress` as in `flexarm.simulate`.
     """
     frame_sigma = (1e-4, 3e-5)  # 1 sigma of the tracker's registration: translation [m], rotation [rad]
     clock_sigma = 5e-4  # 1 sigma of the tracker's clock against the controller's [s]

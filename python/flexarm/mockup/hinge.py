@@ -76,26 +76,11 @@ def build_hinge(
     force: bool = False,
     progress: Progress | None = None,
 ) -> SolidHinge:
-    """Mesh the hinge, reduce its three groups and write their super-elements.
+    """Mesh the hinge, reduce its three groups and write their super-elements into a folder.
 
-    Parameters
-    ----------
-    folder : str or Path
-        Where the files go.
-    design : HingeDesign, optional
-        Default: the one that ships with flexarm.
-    force : bool
-        Overwrite files.
-    progress : callable, optional
-        Hears the name of the part at work.
+    The default design ships with flexarm; `progress` hears the name of the part at work. Raise InvalidFile if
+    a file exists and `force` is not given, or cannot be written.
 
-    Raises
-    ------
-    InvalidFile
-        If a file exists or cannot be written.
-
-    Examples
-    --------
     >>> hinge = build_hinge("hinge")  # doctest: +SKIP
     >>> hinge.stiffness, hinge.seconds  # doctest: +SKIP
     """

@@ -35,21 +35,9 @@ def gap_figure(
 ) -> Figure:
     """Return the gap of a signal along one direction against the states of a joint and time.
 
-    Parameters
-    ----------
-    before, after : Localisation
-        With the nominal model, and with another one, of the same records, that is drawn over it.
-    signal : str, optional
-        Default: the one that holds most of the squared gap before, over the noise.
-    direction : str, optional
-        Default: the one with the greatest gap before.
-    joint : str, optional
-        Default: the one whose rotation holds most of the gap, else the first that moves.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is no such signal, direction or joint.
+    That of another model, of the same records, is drawn over it. The default signal holds most of the squared
+    gap before, over the noise; the direction has the greatest gap; the joint's rotation holds most of the
+    gap, or it is the first that moves. Raise InvalidParameter if there is no such signal, direction or joint.
     """
     rows = _named(before.gaps, signal or _largest(before), "signal")
     name = direction or largest_direction(rows)

@@ -42,40 +42,28 @@ JUMPS = {"sign of torque": "torque", "sense of motion": "motion"}
 
 @dataclass(frozen=True)
 class Cell:
-    """Size of a residual in one place.
-
-    Attributes
-    ----------
-    signal, direction, band : str
-        Part of the residual.
-    state, when : str
-        State that sorts the samples, and the condition: "torque sign", "torque positive"; the cells of one
-        state share out all samples. "all", "throughout": all of them.
-    band_hz : tuple of float
-        Edges of the band [Hz].
-    unit : str
-        Of rms.
-    rms, noise_rms, ratio, share
-        Eq. (1).
-    samples : int
-        Number of samples.
-    exceeds : bool
-        True if it is more than noise.
-    """
+    """Size of a residual in one place."""
 
     signal: str
     direction: str
     band: str
+    """Part of the residual."""
     state: str
     when: str
+    """State that sorts the samples, and the condition: "torque sign", "torque positive"; the cells of one
+    state share out all samples. "all", "throughout": all of them."""
     band_hz: tuple[float, float]
+    """Edges of the band [Hz]."""
     unit: str
+    """Of rms."""
     rms: float
     noise_rms: float
     ratio: float
     share: float
+    """Eq. (1)."""
     samples: int
     exceeds: bool
+    """True if it is more than noise."""
 
 
 def cell_table(residuals: Sequence[SignalResidual], first_mode: float | None) -> tuple[Cell, ...]:

@@ -50,21 +50,14 @@ def correlation_ratio(groups: Groups, values: Floats) -> float:
 
 @dataclass(frozen=True)
 class CovariateDependence:
-    """Dependence of a residual on covariates.
-
-    Attributes
-    ----------
-    adjusted : dict of str to float
-        By covariate, such as "angle of elbow": share (2) of what is not constant.
-    best : str
-        The covariate that explains most, unless a simpler one explains nearly as much.
-    constant : float
-        Share of the squares in a constant.
-    """
+    """Dependence of a residual on covariates."""
 
     adjusted: Mapping[str, float]
+    """By covariate, such as "angle of elbow": share (2) of what is not constant."""
     best: str
+    """The covariate that explains most, unless a simpler one explains nearly as much."""
     constant: float
+    """Share of the squares in a constant."""
 
     @property
     def share(self) -> float:

@@ -36,44 +36,30 @@ SAMPLES = 8
 
 @dataclass(frozen=True)
 class DecaySegment:
-    """A few periods of a free decay.
-
-    Attributes
-    ----------
-    time : float
-        Middle [s].
-    amplitude : float
-        A of (1) there [unit of the signal].
-    frequency_hz, damping_ratio : float
-        omega/2 pi and zeta of (1).
-    frequency_std, damping_std : float
-        Their 1 sigma, if the residual of (1) is white.
-    """
+    """A few periods of a free decay."""
 
     time: float
+    """Middle [s]."""
     amplitude: float
+    """A of (1) there [unit of the signal]."""
     frequency_hz: float
     damping_ratio: float
+    """omega/2 pi and zeta of (1)."""
     frequency_std: float
     damping_std: float
+    """Their 1 sigma, if the residual of (1) is white."""
 
 
 @dataclass(frozen=True)
 class FreeDecay:
-    """A free decay of one channel.
-
-    Attributes
-    ----------
-    record, signal, unit : str
-        Where it was measured.
-    pieces : tuple of DecaySegment
-        In order of time.
-    """
+    """A free decay of one channel."""
 
     record: str
     signal: str
     unit: str
+    """Where it was measured."""
     pieces: tuple[DecaySegment, ...]
+    """In order of time."""
 
     @property
     def frequency_moves(self) -> bool:

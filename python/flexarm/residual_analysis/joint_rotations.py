@@ -56,29 +56,20 @@ HINTS = {
 
 @dataclass(frozen=True, eq=False)
 class JointRotation:
-    """Equivalent rotation of one joint.
-
-    Attributes
-    ----------
-    joint, unit : str
-        Its name; rad, or m for a prismatic joint.
-    angle, std : ndarray, shape (n,)
-        d of (2) and 1 sigma.
-    alone : float
-        Share of the squared residual that this joint's rotation explains if no other joint turns.
-    share : float
-        Share of the squared residual that it explains with the others, sum of (J_j d_j)^T y.
-    dependence : CovariateDependence
-        On its own torque, rate, angle, acceleration, and time.
-    """
+    """Equivalent rotation of one joint."""
 
     joint: str
     unit: str
+    """Its name; rad, or m for a prismatic joint."""
     angle: Floats
     std: Floats
+    """d of (2) and 1 sigma. Shape (n,)."""
     alone: float
+    """Share of the squared residual that this joint's rotation explains if no other joint turns."""
     share: float
+    """Share of the squared residual that it explains with the others, sum of (J_j d_j)^T y."""
     dependence: CovariateDependence
+    """On its own torque, rate, angle, acceleration, and time."""
 
     @property
     def rms(self) -> float:
@@ -98,24 +89,16 @@ class JointRotation:
 
 @dataclass(frozen=True, eq=False)
 class JointRotations:
-    """Equivalent rotations of all joints.
-
-    Attributes
-    ----------
-    joints : tuple of JointRotation
-        Largest share first.
-    explained : float
-        Share of the squared residual that all rotations explain together.
-    time : ndarray, shape (n,)
-        Instants [s].
-    states : tuple of JointStates
-        Of every joint, in the same order.
-    """
+    """Equivalent rotations of all joints."""
 
     joints: tuple[JointRotation, ...]
+    """Largest share first."""
     explained: float
+    """Share of the squared residual that all rotations explain together."""
     time: Floats
+    """Instants [s]. Shape (n,)."""
     states: tuple[JointStates, ...]
+    """Of every joint, in the same order."""
 
     def summary(self) -> str:
         """Return a table that a person reads."""

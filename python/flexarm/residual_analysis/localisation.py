@@ -29,38 +29,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Localisation:
-    """Where the residual lies.
-
-    Attributes
-    ----------
-    cells : tuple of Cell
-        Every cell that holds samples: signal x direction x band x condition of a state.
-    where : tuple of dict
-        The dominant cells, largest share first: signal, direction, when, band_hz, rms, noise_rms.
-    dependence : dict of str to CovariateDependence
-        By signal: the state that the residual follows.
-    rotations : JointRotations or None
-        The residual of positions as small rotations of the joints.
-    gaps : dict of str to SignalResidual
-        By signal: the residual itself, with the states at its samples.
-    notes : tuple of str
-        Notes for the reader: aliasing, noise that was estimated.
-    """
+    """Where the residual lies."""
 
     cells: tuple[Cell, ...]
+    """Every cell that holds samples: signal x direction x band x condition of a state."""
     where: tuple[Mapping[str, Any], ...]
+    """The dominant cells, largest share first: signal, direction, when, band_hz, rms, noise_rms."""
     dependence: Mapping[str, CovariateDependence]
+    """By signal: the state that the residual follows."""
     rotations: JointRotations | None
+    """The residual of positions as small rotations of the joints."""
     gaps: Mapping[str, SignalResidual]
+    """By signal: the residual itself, with the states at its samples."""
     notes: tuple[str, ...] = ()
+    """Notes for the reader: aliasing, noise that was estimated."""
 
     def cell(self, signal: str, direction: str, band: str, when: str = WHOLE) -> Cell:
         """Return one cell.
 
-        Raises
-        ------
-        InvalidParameter
-            If there is none of these names.
+        Raise InvalidParameter if there is none of these names.
         """
         for each in self.cells:
             if (each.signal, each.direction, each.band, each.when) == (signal, direction, band, when):
@@ -106,21 +93,11 @@ class Localisation:
 
 
 def localise(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Localisation:
-    """Return where the residual lies, over all records together.
+    """Return where the residual lies, over all records together: by name all motions, or all poses.
 
-    Parameters
-    ----------
-    pairs : dict of str to AlignedRecord, or AlignedRecord
-        Records by name, as `flexarm.comparison.aligned_record.simulate_record` gives them; all of one kind,
-        motions or poses.
+    Raise InvalidParameter if there is no record, or motions and poses are mixed: they have no bands in
+    common.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no record, or motions and poses are mixed: they have no bands in common.
-
-    Examples
-    --------
     >>> print(localise({"train_a": simulate_record(arm, record)}))  # doctest: +SKIP
     """
     records = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)

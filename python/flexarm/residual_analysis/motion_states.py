@@ -25,31 +25,22 @@ ZONES = 5
 
 @dataclass(frozen=True, eq=False)
 class JointStates:
-    """States of one joint at the samples, each of shape (n,).
-
-    Attributes
-    ----------
-    joint : str
-        Its name.
-    angle, rate, acceleration, torque : ndarray
-        Of the drive; torque on the child, output side [rad or m, N m or N].
-    since_motion, since_torque : ndarray
-        Time since rate and torque last changed sign [s]; infinite before that.
-    sense : ndarray of int
-        1 or -1: direction of the last motion, as friction remembers it; 0 before it moved.
-    slides : bool
-        True for a prismatic joint.
-    """
+    """States of one joint at the samples, each of shape (n,)."""
 
     joint: str
+    """Its name."""
     angle: Floats
     rate: Floats
     acceleration: Floats
     torque: Floats
+    """Of the drive; torque on the child, output side [rad or m, N m or N]."""
     since_motion: Floats
     since_torque: Floats
+    """Time since rate and torque last changed sign [s]; infinite before that."""
     sense: NDArray[np.intp]
+    """1 or -1: direction of the last motion, as friction remembers it; 0 before it moved."""
     slides: bool = False
+    """True for a prismatic joint."""
 
     @property
     def units(self) -> dict[str, str]:
@@ -130,18 +121,8 @@ def conditions(
 ) -> Iterator[tuple[str, str, Mask]]:
     """Yield state, wording and samples of every condition; those of one state share out all samples.
 
-    Parameters
-    ----------
-    states : sequence of JointStates
-        Of the joints that move.
-    time : ndarray, shape (n,)
-        Instants [s].
-    record : ndarray of int, shape (n,)
-        Number of the record of each sample.
-    labels : sequence of str
-        Names of the records.
-    first_mode : float or None
-        Its frequency [Hz]: a reversal lasts for one period of it, or three samples.
+    `states` are of the joints that move. `time` [s] and `record`, the number of each sample's record in
+    `labels`, have the shape (n,). A reversal lasts for one period of `first_mode` [Hz], or three samples.
     """
     yield "all", "throughout", np.ones(len(time), dtype=bool)
     steps = np.diff(time)

@@ -36,37 +36,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SignalFloor:
-    """Noise floor of one signal in one record.
-
-    Attributes
-    ----------
-    record, signal, unit : str
-        Which one; the unit of everything below.
-    channels : int
-        Number of channels of the residual.
-    stated, estimated : float or None
-        Noise of a channel, 1 sigma: from the record, effects of the model included, and from the samples.
-    errors : dict of str to float
-        By "step", "mesh" and "alpha": change of the prediction, rms of all channels together; infinite where
-        the other simulation did not converge.
-    samples : int
-        Rows with a value.
-    independent : float
-        Effective sample size of the residual.
-    is_drive : bool
-        True if it drives the simulation.
-    """
+    """Noise floor of one signal in one record."""
 
     record: str
     signal: str
     unit: str
+    """Which one; the unit of everything below."""
     channels: int
+    """Number of channels of the residual."""
     stated: float | None
     estimated: float | None
+    """Noise of a channel, 1 sigma: from the record, effects of the model included, and from the samples."""
     errors: Mapping[str, float]
+    """By "step", "mesh" and "alpha": change of the prediction, rms of all channels together; infinite where
+    the other simulation did not converge."""
     samples: int
+    """Rows with a value."""
     independent: float
+    """Effective sample size of the residual."""
     is_drive: bool = False
+    """True if it drives the simulation."""
 
     @property
     def total(self) -> float | None:
@@ -89,18 +78,12 @@ class SignalFloor:
 
 @dataclass(frozen=True, repr=False)
 class NoiseFloor:
-    """Noise floor of every signal.
-
-    Attributes
-    ----------
-    signals : tuple of SignalFloor
-        By record and signal.
-    step : float
-        Of the simulations [s].
-    """
+    """Noise floor of every signal."""
 
     signals: tuple[SignalFloor, ...]
+    """By record and signal."""
     step: float = 2e-3
+    """Of the simulations [s]."""
 
     @property
     def is_below_noise(self) -> bool:

@@ -31,24 +31,16 @@ from flexarm.residual_analysis.policy import POLICY
 
 @dataclass(frozen=True, eq=False)
 class Harmonic:
-    """One motor order of a residual.
-
-    Attributes
-    ----------
-    joint : str
-        Whose motor turns.
-    multiple : int
-        Order: periods a turn of the motor.
-    columns : ndarray, shape (n, k)
-        Of (1), without slow parts.
-    band_hz : tuple of float
-        Frequencies of the wave, 5 to 95 % of the samples.
-    """
+    """One motor order of a residual."""
 
     joint: str
+    """Whose motor turns."""
     multiple: int
+    """Order: periods a turn of the motor."""
     columns: Floats
+    """Of (1), without slow parts. Shape (n, k)."""
     band_hz: tuple[float, float]
+    """Frequencies of the wave, 5 to 95 % of the samples."""
 
 
 @dataclass(eq=False)
@@ -96,22 +88,10 @@ def detected_harmonics(
     ratios: Sequence[float],
     shares: Sequence[Floats | float],
 ) -> list[Harmonic]:
-    """Return the motor orders 1 to 4 that values hold.
+    """Return the motor orders 1 to 4 that the residual `values` (n,) of one signal along one direction holds.
 
-    Parameters
-    ----------
-    values, time : ndarray, shape (n,)
-        The residual of one signal along one direction, and its instants [s].
-    sigma : float
-        Its noise.
-    waves : MotorHarmonics
-        Of the record.
-    states : sequence of JointStates
-        Of the joints.
-    ratios : sequence of float
-        Their gear ratios.
-    shares : sequence of float or ndarray, shape (n,)
-        w of (1) for each joint.
+    `sigma` is its noise, `time` (n,) its instants [s], `waves` those of the record. `states`, gear `ratios`
+    and `shares` w of (1), each a number or of shape (n,), are of the joints.
     """
     slow = _slow_basis(states)
     rest = values - slow @ (slow.T @ values)

@@ -42,61 +42,41 @@ POSES = "all poses"
 
 @dataclass(frozen=True, eq=False)
 class ResidualPart:
-    """Part of a residual in one band, along one direction.
-
-    Attributes
-    ----------
-    band : str
-        Its name.
-    band_hz : tuple of float
-        Edges [Hz]; of a motor order the frequencies that it had.
-    values, noise : ndarray, shape (n,)
-        The part, and 1 sigma of white noise in it, at every sample.
-    freedoms : float
-        Degrees of freedom.
-    """
+    """Part of a residual in one band, along one direction."""
 
     band: str
+    """Its name."""
     band_hz: tuple[float, float]
+    """Edges [Hz]; of a motor order the frequencies that it had."""
     values: Floats
     noise: Floats
+    """The part, and 1 sigma of white noise in it, at every sample. Shape (n,)."""
     freedoms: float
+    """Degrees of freedom."""
 
 
 @dataclass(frozen=True, eq=False)
 class SignalResidual:
-    """Residual of one signal at the samples of all records, one record after the other.
-
-    Attributes
-    ----------
-    signal, unit : str
-        Its name, and the unit of the residual.
-    labels : tuple of str
-        Names of the records that hold it.
-    record : ndarray of int, shape (n,)
-        Number of each sample's record in `labels`.
-    time : ndarray, shape (n,)
-        Instants [s], or numbers of poses.
-    directions, noise : dict of str to ndarray, shape (n,)
-        Residual along each direction, and its noise, 1 sigma.
-    parts : dict of str to tuple of ResidualPart
-        By direction: the parts (1).
-    states : tuple of JointStates
-        Of the joints that move.
-    notes : tuple of str
-        Notes for the reader on aliasing.
-    """
+    """Residual of one signal at the samples of all records, one record after the other."""
 
     signal: str
     unit: str
+    """Its name, and the unit of the residual."""
     labels: tuple[str, ...]
+    """Names of the records that hold it."""
     record: NDArray[np.intp]
+    """Number of each sample's record in `labels`. Shape (n,)."""
     time: Floats
+    """Instants [s], or numbers of poses. Shape (n,)."""
     directions: Mapping[str, Floats]
     noise: Mapping[str, Floats]
+    """Residual along each direction, and its noise, 1 sigma. Shape (n,)."""
     parts: Mapping[str, tuple[ResidualPart, ...]]
+    """By direction: the parts (1)."""
     states: tuple[JointStates, ...]
+    """Of the joints that move."""
     notes: tuple[str, ...] = ()
+    """Notes for the reader on aliasing."""
 
     @property
     def whitened(self) -> Floats:
@@ -114,20 +94,8 @@ def signal_residual(
 ) -> SignalResidual | None:
     """Return the residual of a signal in every record that holds it; None if no row of it can be compared.
 
-    Parameters
-    ----------
-    pairs : dict of str to AlignedRecord
-        Records by name.
-    waves : dict of str to MotorHarmonics
-        Of the same records.
-    signal : str
-        The signal.
-    joints : sequence of str
-        Joints that move.
-    joint : str or None
-        The one joint whose directions are shown; None: x, y, z of the base.
-    noise : float
-        1 sigma of a channel where the record states none.
+    `waves` are of the same records, `joints` those that move. The directions shown are those of `joint`, or
+    x, y, z of the base. `noise` is 1 sigma of a channel where the record states none.
     """
     holding = [name for name, pair in pairs.items() if signal in pair.simulated.evidence]
     found = {name: _of_record(pairs[name], waves[name], signal, joints, joint, noise) for name in holding}

@@ -76,12 +76,8 @@ def periodogram(
 def named_bands(modes_hz: Sequence[float], rate: float) -> tuple[list[Named], list[str]]:
     """Return bands from 0 to half the rate [Hz], without gaps, and notes on aliasing.
 
-    Parameters
-    ----------
-    modes_hz : sequence of float
-        Frequencies of the arm [Hz], ascending; empty: bands end at an eighth of half the rate.
-    rate : float
-        Samples a second.
+    `modes_hz` are the arm's frequencies [Hz], ascending; without any, bands end at an eighth of half the
+    rate.
     """
     nyquist = rate / 2
     bands, notes = _unfolded(modes_hz, nyquist), []

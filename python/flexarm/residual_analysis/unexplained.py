@@ -29,55 +29,38 @@ from flexarm.wording import instant, number, with_unit
 
 @dataclass(frozen=True)
 class UnexplainedResidual:
-    """Residual that no effect explains.
-
-    Attributes
-    ----------
-    signal, direction, unit : str
-        Where most of it is.
-    rms, max, noise_rms : float
-        Of all measured directions of that signal.
-    ratio : float
-        rms over noise.
-    frequency_hz : float or None
-        The dominant one; None for poses.
-    frequency_share : float
-        Share of the squares in its band, in that direction and the record where it holds most.
-    band : str
-        The part of the residual in whose band it lies.
-    aliases_hz : tuple of float
-        Other frequencies that the same samples would fit, eq. (1); none where it is quasi-static.
-    covariate : str
-        The state that it follows best.
-    covariate_share : float
-        Share of what is not constant that a curve over that state explains, or the constant's share of all.
-    record : str
-        Where it is greatest.
-    time : float
-        When [s], or the number of the pose.
-    burst : tuple of float, or None
-        The shortest interval [s] of that record that holds half of the squares of all, if it is short.
-    in_time : bool
-        False for poses.
-    """
+    """Residual that no effect explains."""
 
     signal: str
     direction: str
     unit: str
+    """Where most of it is."""
     rms: float
     max: float
     noise_rms: float
+    """Of all measured directions of that signal."""
     ratio: float
+    """rms over noise."""
     frequency_hz: float | None
+    """The dominant one; None for poses."""
     frequency_share: float
+    """Share of the squares in its band, in that direction and the record where it holds most."""
     band: str
+    """The part of the residual in whose band it lies."""
     aliases_hz: tuple[float, ...]
+    """Other frequencies that the same samples would fit, eq. (1); none where it is quasi-static."""
     covariate: str
+    """The state that it follows best."""
     covariate_share: float
+    """Share of what is not constant that a curve over that state explains, or the constant's share of all."""
     record: str
+    """Where it is greatest."""
     time: float
+    """When [s], or the number of the pose."""
     burst: tuple[float, float] | None = None
+    """The shortest interval [s] of that record that holds half of the squares of all, if it is short."""
     in_time: bool = True
+    """False for poses."""
 
     def __str__(self) -> str:
         at = f"at {instant(self.time)} s" if self.in_time else f"in pose number {self.time + 1:.0f}"

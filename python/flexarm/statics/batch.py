@@ -92,21 +92,11 @@ class StaticsBatch:
     ) -> StaticSolution:
         """Return the equilibrium under gravity and point forces, the drives at given angles.
 
-        Parameters
-        ----------
-        joints : dict of str to float
-            Angles [rad, m for a prismatic joint]; default 0.
-        forces : dict of str to (3,), optional
-            Forces at points, base axes [N].
-        turning : dict of str to DriveVariation, optional
-            By key those parameters that turn the drives.
+        Angles [rad, m for a prismatic joint] are 0 by default; forces [N] have base axes; `turning` holds, by
+        key, those parameters that turn the drives.
 
-        Raises
-        ------
-        InvalidParameter
-            If a joint or point does not exist.
-        NotConverged
-            If there is no stable equilibrium.
+        Raise InvalidParameter if a joint or point does not exist, NotConverged if there is no stable
+        equilibrium.
         """
         values = joint_values(self.arm, joints)
         loads = _core.Loads(gravity=np.array(self.arm.gravity), points=point_loads(self.arm, forces or {}))

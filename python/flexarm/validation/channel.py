@@ -31,45 +31,32 @@ RINGING = ("motor_torque", "motor_voltage", "strain", "acceleration", "angular_r
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """Hold the readings of a channel and their prediction, without rows that lack a value.
-
-    Attributes
-    ----------
-    record : str
-        Name of the record.
-    signal : Signal
-        With all its channels.
-    index : int
-        Which of them.
-    rows : ndarray of int, shape (n,)
-        Rows of the signal.
-    time : ndarray, shape (n,)
-        Instants in the simulation's time [s], or numbers of poses.
-    measured, predicted : ndarray, shape (n,)
-        Readings and the nominal prediction.
-    regressors, prior_std : ndarray, shapes (n, k) and (k,)
-        c and S.
-    noise, model_error : float
-        1 sigma of the readings, as stated or as they scatter, if that is less; model error [SI].
-    length_scale : float
-        The reach of the arm for lengths [m], else 1.
-    driven : ndarray of bool, shape (n,)
-        True where a drive moves. Elsewhere the arm may rest, while a model without damping rings on.
-    """
+    """Hold the readings of a channel and their prediction, without rows that lack a value."""
 
     record: str
+    """Name of the record."""
     signal: Signal
+    """With all its channels."""
     index: int
+    """Which of them."""
     rows: NDArray[np.intp]
+    """Rows of the signal. Shape (n,)."""
     time: Floats
+    """Instants in the simulation's time [s], or numbers of poses. Shape (n,)."""
     measured: Floats
     predicted: Floats
+    """Readings and the nominal prediction. Shape (n,)."""
     regressors: Floats
     prior_std: Floats
+    """c and S. Shape (n, k) and (k,)."""
     noise: float
     model_error: float
+    """1 sigma of the readings, as stated or as they scatter, if that is less; model error [SI]."""
     length_scale: float
+    """The reach of the arm for lengths [m], else 1."""
     driven: NDArray[np.bool_]
+    """True where a drive moves. Elsewhere the arm may rest, while a model without damping rings on. Shape
+    (n,)."""
 
     @property
     def name(self) -> str:

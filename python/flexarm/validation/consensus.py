@@ -17,24 +17,16 @@ from flexarm.wording import listed
 
 @dataclass(frozen=True, eq=False)
 class RecordFindings:
-    """Hold the findings of one record.
-
-    Attributes
-    ----------
-    record : str
-        Its name.
-    channels : sequence of ChannelFinding
-        Its channels.
-    drive : DriveFault or None
-        A drive at fault.
-    ambiguous : bool
-        True if the drive explains no more than the channels do: either may be at fault.
-    """
+    """Hold the findings of one record."""
 
     record: str
+    """Its name."""
     channels: Sequence[ChannelFinding] = ()
+    """Its channels."""
     drive: DriveFault | None = None
+    """A drive at fault."""
     ambiguous: bool = False
+    """True if the drive explains no more than the channels do: either may be at fault."""
 
 
 @dataclass(frozen=True, eq=False)

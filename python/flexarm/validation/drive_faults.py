@@ -50,27 +50,18 @@ Values = Mapping[str, tuple[float, float, str]]
 
 @dataclass(frozen=True, eq=False)
 class DriveFault:
-    """Hold a fault of one drive of a record, or of all alike.
-
-    Attributes
-    ----------
-    values : dict of str to dict of str to (value, std, unit)
-        By the names of the drives at fault the parameters of their faults.
-    name : str
-        Of the fault.
-    log_bayes : float
-        Against the best explanation without it.
-    sentence : str
-        Description.
-    channels : list of ChannelFinding
-        The channels, driven by what the drive really was; empty where that is lost.
-    """
+    """Hold a fault of one drive of a record, or of all alike."""
 
     values: Mapping[str, Values]
+    """By the names of the drives at fault the parameters of their faults."""
     name: str
+    """Of the fault."""
     log_bayes: float
+    """Against the best explanation without it."""
     sentence: str
+    """Description."""
     channels: Sequence[ChannelFinding] = ()
+    """The channels, driven by what the drive really was; empty where that is lost."""
 
     @property
     def key(self) -> tuple[str, tuple[str, ...]]:
@@ -80,22 +71,15 @@ class DriveFault:
 
 @dataclass(frozen=True, eq=False)
 class _TestedHypothesis:
-    """Hold a hypothesis and the channels that its simulation leaves.
-
-    Attributes
-    ----------
-    channels : list of ChannelFinding
-        The channels then.
-    cost : float
-        Costs of the channels and of the hypothesis; further drives at fault cost `clear_log_odds` each.
-    repairs : bool
-        True if enough channels are in order, and none is at fault that was not before.
-    """
+    """Hold a hypothesis and the channels that its simulation leaves."""
 
     hypothesis: Hypothesis
     channels: Sequence[ChannelFinding]
+    """The channels then."""
     cost: float
+    """Costs of the channels and of the hypothesis; further drives at fault cost `clear_log_odds` each."""
     repairs: bool
+    """True if enough channels are in order, and none is at fault that was not before."""
 
     @property
     def all_in_order(self) -> bool:
@@ -213,10 +197,7 @@ def find_drive_fault(
 ) -> DriveFault | None:
     """Return the best hypothesis on the drives of a record if it may compete with `channels`, else None.
 
-    Parameters
-    ----------
-    channels : sequence of ChannelFinding or None
-        The channels along the drives as they are; None: the model cannot follow these.
+    `channels` are those along the drives as they are; None if the model cannot follow these.
     """
     test = _DriveTest(arm, name, record, channels, alpha)
     best: _TestedHypothesis | None = None

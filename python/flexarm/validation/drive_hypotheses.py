@@ -39,10 +39,7 @@ FACTORS = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3, 100.0, 0.01, 10.0, 0
 def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding] | None) -> list[Hypothesis]:
     """Return faults of drives that explain the disturbed signals and leave a plausible motion.
 
-    Parameters
-    ----------
-    channels : sequence of ChannelFinding or None
-        The channels along the drives as they are; None: the model cannot follow these.
+    `channels` are those along the drives as they are; None if the model cannot follow these.
     """
     from flexarm.effects import SignError
 

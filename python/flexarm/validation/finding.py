@@ -43,36 +43,24 @@ NOTHING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class ChannelFinding:
-    """Hold one channel under its best hypothesis.
-
-    Attributes
-    ----------
-    channel : Channel
-        The channel.
-    name : str
-        Name of the fault, empty if in order.
-    log_bayes : float
-        (1).
-    cost : float
-        (2) of the best hypothesis, less its prior.
-    values : dict of str to (value, std, unit)
-        The fault's parameters.
-    sentence : str
-        Description of the fault.
-    unexplained : bool
-        True if no hypothesis explains the readings.
-    frozen_rows : tuple of int
-        Rows of the signal that repeat a value; too few for a fault.
-    """
+    """Hold one channel under its best hypothesis."""
 
     channel: Channel
+    """The channel."""
     name: str = ""
+    """Name of the fault, empty if in order."""
     log_bayes: float = 0.0
+    """(1)."""
     cost: float = 0.0
+    """(2) of the best hypothesis, less its prior."""
     values: Mapping[str, tuple[float, float, str]] = field(default_factory=dict)
+    """The fault's parameters."""
     sentence: str = ""
+    """Description of the fault."""
     unexplained: bool = False
+    """True if no hypothesis explains the readings."""
     frozen_rows: tuple[int, ...] = ()
+    """Rows of the signal that repeat a value; too few for a fault."""
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -103,18 +91,12 @@ def total_cost(found: Sequence[ChannelFinding]) -> float:
 
 @dataclass(frozen=True)
 class Fault(NamedEffect):
-    """Hold a fault of a sensor: a `dead_channel`, `sign_error`, `unit_error` or `saturation`.
-
-    Attributes
-    ----------
-    channels : tuple of str
-        Channels as `flexarm.arm.sensor_effect.ChannelEffect` names them; empty: all.
-    records : tuple of str
-        Names of the records that show it.
-    """
+    """Hold a fault of a sensor: a `dead_channel`, `sign_error`, `unit_error` or `saturation`."""
 
     channels: tuple[str, ...] = ()
+    """Channels as `flexarm.arm.sensor_effect.ChannelEffect` names them; empty: all."""
     records: tuple[str, ...] = ()
+    """Names of the records that show it."""
 
     def effect(self) -> Effect:
         """Return the effect by which a model reproduces the fault."""
@@ -128,28 +110,19 @@ class Fault(NamedEffect):
 
 @dataclass(frozen=True)
 class RemovedOutliers:
-    """Hold the outliers that were removed from a signal.
-
-    Attributes
-    ----------
-    record, signal : str
-        Their names.
-    rows : tuple of int
-        Rows of the signal, counted from 0, whose values are now NaN.
-    size : float
-        Root mean square of their distances [unit].
-    unit : str
-        SI unit of the signal.
-    poses : tuple of str
-        The pose of each row of a static record.
-    """
+    """Hold the outliers that were removed from a signal."""
 
     record: str
     signal: str
+    """Their names."""
     rows: tuple[int, ...]
+    """Rows of the signal, counted from 0, whose values are now NaN."""
     size: float
+    """Root mean square of their distances [unit]."""
     unit: str
+    """SI unit of the signal."""
     poses: tuple[str, ...] = ()
+    """The pose of each row of a static record."""
 
     def __str__(self) -> str:
         count = f"{len(self.rows)} outlier{'s' * (len(self.rows) > 1)}"
@@ -160,30 +133,20 @@ class RemovedOutliers:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ValidationResult:
-    """Hold the result of `check`.
-
-    Attributes
-    ----------
-    records : dict of str to Record
-        The records without outliers and without rows that repeat a frozen value.
-    faults : tuple of Fault
-        Faulty sensors, most probable first; empty: the data can be used.
-    outliers : tuple of RemovedOutliers
-        Rows removed from the records.
-    remarks : tuple of str
-        Clock steps, pauses, noise unlike the stated one, frames that moved between records.
-    compared : dict of str to tuple of str
-        By record the signals that the model predicts; a record without any cannot be compared.
-    doubts : tuple of str
-        Implausible values and models that cannot be simulated, which prevent a judgement of the sensors.
-    """
+    """Hold the result of `check`."""
 
     records: Mapping[str, Record]
+    """The records without outliers and without rows that repeat a frozen value."""
     faults: tuple[Fault, ...] = ()
+    """Faulty sensors, most probable first; empty: the data can be used."""
     outliers: tuple[RemovedOutliers, ...] = ()
+    """Rows removed from the records."""
     remarks: tuple[str, ...] = field(default=())
+    """Clock steps, pauses, noise unlike the stated one, frames that moved between records."""
     compared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """By record the signals that the model predicts; a record without any cannot be compared."""
     doubts: tuple[str, ...] = ()
+    """Implausible values and models that cannot be simulated, which prevent a judgement of the sensors."""
 
     @property
     def usable(self) -> bool:

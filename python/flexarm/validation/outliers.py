@@ -145,16 +145,10 @@ def predicted_vibration(simulated: SimulatedRecord, signal: Signal, placement: P
 
 
 def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> NDArray[np.bool_]:
-    """Return True at rows of a residual that are outliers, shape (n,).
+    """Return True at rows of a residual, measured minus predicted (n, channels), that are outliers, shape
+    (n,).
 
-    Parameters
-    ----------
-    residual : ndarray, shape (n, channels)
-        Measured minus predicted.
-    noise : ndarray, shape (channels,)
-        1 sigma.
-    ringing : ndarray, shape (n, channels)
-        Vibration that the model predicts around each row.
+    `noise` (channels,) is 1 sigma; `ringing` (n, channels) the vibration predicted around each row.
     """
     found = np.zeros(len(residual), dtype=bool)
     rows, off, usual = deviation_from_median(residual)

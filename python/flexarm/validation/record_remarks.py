@@ -56,14 +56,7 @@ def plausibility_doubts(
 ) -> tuple[str, ...]:
     """Report implausible values of the model and of each record.
 
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    records : dict of str to Record
-        Measured data.
-    borne_out : dict of str to collection of str, optional
-        By record the drives whose angles places confirm, however far they turn.
+    `borne_out` has by record the drives whose angles places confirm, however far they turn.
     """
     found = [f"model: {problem}" for problem in implausible_sizes(arm)]
     for name, record in records.items():

@@ -49,31 +49,21 @@ ROUNDS = 8
 
 @dataclass(frozen=True)
 class GainFit:
-    """Hold the estimate of (2).
-
-    Attributes
-    ----------
-    gain, std : float
-        s and its standard deviation [-].
-    scatter : float
-        Root mean square of e, no less than (3).
-    moving : float
-        Standard deviation of s p.
-    noise : float
-        1 sigma of the readings.
-    rms : float
-        Root mean square of e, however small.
-    penalty : float
-        Half the sum of a^2/S^2 in (2) [nats].
-    """
+    """Hold the estimate of (2)."""
 
     gain: float
     std: float
+    """s and its standard deviation [-]."""
     scatter: float
+    """Root mean square of e, no less than (3)."""
     moving: float
+    """Standard deviation of s p."""
     noise: float
+    """1 sigma of the readings."""
     rms: float
+    """Root mean square of e, however small."""
     penalty: float
+    """Half the sum of a^2/S^2 in (2) [nats]."""
 
     @property
     def unexplained_share(self) -> float:
@@ -90,19 +80,11 @@ def effective_samples(count: int) -> int:
 def fit_gain(
     y: Floats, p: Floats, regressors: Floats, prior_std: Floats, noise: float, model_error: float
 ) -> GainFit:
-    """Estimate the gain s of (1).
+    """Estimate the gain s of (1) between readings y and prediction p, both (n,).
 
-    Parameters
-    ----------
-    y, p : ndarray, shape (n,)
-        Readings and prediction.
-    regressors : ndarray, shape (n, k)
-        c of (1).
-    prior_std : ndarray, shape (k,)
-        S of (1), infinite where nothing is known; offsets and turns of a channel in another unit are as much
-        larger as its gain is.
-    noise, model_error : float
-        Of (3).
+    `regressors` (n, k) are c of (1); `prior_std` (k,) is S of (1), infinite where nothing is known; offsets
+    and turns of a channel in another unit are as much larger as its gain is. `noise` and `model_error` are of
+    (3).
     """
     A = np.column_stack([p, regressors])
     gain, std, sigma, rms, penalty = 1.0, np.inf, float(np.hypot(noise, model_error)), np.inf, 0.0

@@ -37,10 +37,7 @@ ROWS = 400
 def rigid_record(arm: Arm, record: Record) -> SimulatedRecord | None:
     """Return a record of motion beside the rigid arm; None if no signal but the drives is kinematic.
 
-    Raises
-    ------
-    InvalidParameter
-        If the record does not say how it drives the arm.
+    Raise InvalidParameter if the record does not say how it drives the arm.
     """
     drives = {name: record.signals[name] for name in record.drive}
     shown = {name: _thinned(signal) for name, signal in kinematic_signals(record).items()}

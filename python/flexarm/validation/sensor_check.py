@@ -153,21 +153,8 @@ def clean_records(
 ) -> ValidationResult:
     """Return records without outliers, their sensors taken as they are, for validation data.
 
-    Parameters
-    ----------
-    arm : Arm
-        The nominal model.
-    records : dict of str to Record
-        Measured data.
-    step, alpha : float
-        Of the simulation [s], [-].
-
-    Raises
-    ------
-    InvalidParameter
-        If the model lacks an object that a record names, or nothing can be compared.
-    NotConverged
-        If the model cannot be simulated along one.
+    `step` [s] and `alpha` are of the simulation. Raise InvalidParameter if the model lacks an object that a
+    record names, or nothing can be compared, NotConverged if the model cannot be simulated along one.
     """
     named = dict(records)
     outliers: list[RemovedOutliers] = []
@@ -187,10 +174,7 @@ def clean_records(
 def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str, Record]:
     """Return records by name: the keys, or the names of their directories.
 
-    Raises
-    ------
-    InvalidParameter
-        If there are none, or something else is among them.
+    Raise InvalidParameter if there are none, or something else is among them.
     """
     from flexarm.record import Record
 
@@ -230,10 +214,8 @@ def _prepare(
 ) -> tuple[Record, list[RemovedOutliers], list[str]]:
     """Return a record without missing channels and outliers of its drives, these, and remarks.
 
-    Raises
-    ------
-    InvalidParameter
-        If the model lacks a named object, no instant is common with the drive, or a simulation would not end.
+    Raise InvalidParameter if the model lacks a named object, no instant is common with the drive, or a
+    simulation would not end.
     """
     record.check_against(arm)
     for problem in (*disjoint_clocks(record), *endless(record, step)):

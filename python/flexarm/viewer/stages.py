@@ -117,10 +117,7 @@ def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
 def moving_parts(found: Modes) -> list[str]:
     """Return a phrase on each mode: which joint or link gives most of it, and the direction of the motion.
 
-    Raises
-    ------
-    InvalidParameter
-        As of `of_modes`.
+    Raise InvalidParameter as `of_modes`.
     """
     skeleton, rest, shapes = _shapes(found)
     return told(Bodies(skeleton, _size(rest.x), None), rest, shapes)

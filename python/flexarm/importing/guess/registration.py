@@ -27,21 +27,14 @@ NARROWER = 5
 
 @dataclass(frozen=True)
 class Registration:
-    """What the best lag and rigid motion leave between a measured point and the model's.
-
-    Attributes
-    ----------
-    rms : float
-        After both [m], (1).
-    shifted : float
-        After the lag and a shift alone, the axes being parallel [m].
-    mirrored : float
-        After both and a reflection, as with two of the columns exchanged [m].
-    """
+    """What the best lag and rigid motion leave between a measured point and the model's."""
 
     rms: float
+    """After both [m], (1)."""
     shifted: float
+    """After the lag and a shift alone, the axes being parallel [m]."""
     mirrored: float
+    """After both and a reflection, as with two of the columns exchanged [m]."""
 
 
 def registration(arm: Arm, point: str, joints: Mapping[str, Track], measured: Track) -> Registration:

@@ -34,26 +34,10 @@ from flexarm.importing.guess.text import map_text
 
 @takes(files=ITEMS, model=PATH, out=PATH)
 def guess_map(files: Iterable[Path], model: str | Path, out: str | Path) -> str:
-    """Return the text of an import map that is proposed for logs.
+    """Return the text of an import map, TOML, that is proposed for the logs of one run and a model.
 
-    Parameters
-    ----------
-    files : iterable of Path
-        Logs of one run.
-    model : str or Path
-        Model of the arm.
-    out : str or Path
-        Where the map shall lie: its sources are named from there.
-
-    Returns
-    -------
-    str
-        TOML with a reason beside each line; `# unknown: ...` marks what the logs do not tell.
-
-    Raises
-    ------
-    InvalidFile
-        If a log cannot be read.
+    A reason stands beside each line; `# unknown: ...` marks what the logs do not tell. `out` is where the map
+    shall lie: its sources are named from there. Raise InvalidFile if a log cannot be read.
     """
     arm = Arm.from_toml(model)
     folder = Path(out).absolute().parent

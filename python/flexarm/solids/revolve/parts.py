@@ -57,12 +57,7 @@ def disc(diameter: float, thickness: float, **options: Unpack[Options]) -> Solid
 def shaft(steps: Sequence[tuple[float, float]], **options: Unpack[Options]) -> SolidMesh:
     """Return a solid stepped shaft along z: groups `step-1`, `step-2`, .. from the bottom.
 
-    Parameters
-    ----------
-    steps : sequence of (diameter, length)
-        From z = 0 upwards [m].
-    size, around, order, patches, material
-        As for `revolved`.
+    `steps` are (diameter, length) from z = 0 upwards [m]; options are as of `revolved`.
     """
     blocks, z = [], 0.0
     for i, (diameter, length) in enumerate(steps, start=1):
@@ -83,16 +78,8 @@ def flange(
 ) -> SolidMesh:
     """Return a flange with pads under its bolts on the top face: group `flange`, sets `bolts`, `bolts-1`, ..
 
-    Parameters
-    ----------
-    inner_radius, outer_radius, thickness : float
-        Of the ring [m]; `inner_radius = 0` is a solid disc.
-    bolts : int
-        Number of bolts.
-    bolt_circle, pad : float
-        Radius of the circle through the bolts and diameter of a pad [m].
-    size, around, order, patches, material
-        As for `revolved`.
+    Radii, thickness, the bolt circle's radius and the pads' diameter are in m; `inner_radius = 0` is a solid
+    disc. Options are as of `revolved`.
     """
     block = Block("flange", inner_radius, outer_radius, 0.0, thickness)
     circle = BoltCircle("bolts", radius=bolt_circle, count=bolts, diameter=pad, height=thickness)

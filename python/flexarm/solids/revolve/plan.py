@@ -26,24 +26,16 @@ CORE = 0.5
 
 @dataclass(frozen=True)
 class Plan:
-    """Points and quadrilaterals in the plane normal to the axis.
-
-    Attributes
-    ----------
-    points : (n, 2)
-        x, y [m].
-    circle : (n,)
-        Radius of the circle that a point lies on [m], nan inside the core.
-    quads : (m, 4)
-        Corners, anticlockwise.
-    column : (m,)
-        Index of the line at each quad's inner radius; the core belongs to line 0.
-    """
+    """Points and quadrilaterals in the plane normal to the axis."""
 
     points: Floats
+    """x, y [m]."""
     circle: Floats
+    """Radius of the circle that a point lies on [m], nan inside the core."""
     quads: Ints
+    """Corners, anticlockwise."""
     column: Ints
+    """Index of the line at each quad's inner radius; the core belongs to line 0."""
 
 
 def plan_of(radii: Floats, around: int, core_size: float) -> Plan:
