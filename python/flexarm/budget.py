@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from math import inf
+from math import inf, isfinite
 from time import monotonic
 
 BUDGET = "the budget of"
@@ -31,14 +31,14 @@ class Budget:
         self._begun = monotonic()
 
     @property
-    def spent(self) -> bool:
-        """Return True if no time is left."""
-        return self.spent_part >= 1
+    def left(self) -> float:
+        """Return the time left [s], negative if more was taken."""
+        return self._begun + self.seconds - monotonic()
 
     @property
-    def spent_part(self) -> float:
-        """Return the share of the time that is gone [-]."""
-        return (monotonic() - self._begun) / self.seconds
+    def spent(self) -> bool:
+        """Return True if no time is left."""
+        return self.left <= 0
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -67,10 +67,22 @@ def current() -> Budget:
     return CURRENT.get(Budget())
 
 
-def allows(work: str, part: float = 1.0) -> bool:
-    """Return True if time is left, or of a part of it; else note that this work is left out."""
+@contextmanager
+def until(part: float) -> Iterator[None]:
+    """End a stage of the work when a part of the whole time [-] is gone: the rest is for later stages."""
+    whole = current()
+    stage = Budget(max(whole.left - (1 - part) * whole.seconds, 0.0)) if isfinite(whole.seconds) else whole
+    stage.left_out = whole.left_out
+    token = CURRENT.set(stage)
+    try:
+        yield
+    finally:
+        CURRENT.reset(token)
+
+
+def allows(work: str) -> bool:
+    """Return True if time is left; else note that this work is left out."""
     budget = current()
-    spent = budget.spent_part >= part
-    if spent and work not in budget.left_out:
+    if budget.spent and work not in budget.left_out:
         budget.left_out.append(work)
-    return not spent
+    return not budget.spent

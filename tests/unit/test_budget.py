@@ -6,7 +6,7 @@ from arms import TUBE, beam, hinge, point, smooth_step
 
 import flexarm
 from flexarm.arm.effect import read_effect
-from flexarm.budget import allows, current, limited
+from flexarm.budget import allows, current, limited, until
 
 ARM = flexarm.Arm.from_dict(
     {
@@ -29,6 +29,23 @@ def test_what_no_time_is_left_for_is_told_once():
         assert current() is budget
     assert budget.remarks == ("the budget of 1e-09 s ended before the first step, the second",)
     assert allows("anything")
+
+
+def test_a_stage_ends_at_its_part_of_the_whole_time():
+    seconds = [0.0]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("flexarm.budget.monotonic", lambda: seconds[0])
+        with limited(8.0) as budget:
+            seconds[0] = 1.0
+            with until(0.5):
+                seconds[0] = 3.9
+                assert allows("a part of the first stage")
+                seconds[0] = 4.1
+                assert not allows("the first stage")
+            assert allows("anything")
+            with until(0.75):
+                assert allows("the second stage")
+    assert budget.remarks == ("the budget of 8 s ended before the first stage",)
 
 
 def test_without_a_limit_all_is_allowed():

@@ -22,7 +22,7 @@ from types import MappingProxyType
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.budget import allows
+from flexarm.budget import allows, until
 from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
@@ -38,8 +38,8 @@ LONGER = 2.0
 """Steps of probes over those of fits: what an effect moves is a difference, of which the shape is enough."""
 HARDLY = 0.02
 """Part of the greatest move below which a component of a vector is not fitted."""
-HALF = 0.5
-"""Part of a budget of time that screening may take: what is screened is still to be fitted."""
+SCREENED = 0.5
+"""Part of a budget of time at which screening ends: what is screened is still to be fitted."""
 KEPT = 100
 """Sets of which a size is worked out."""
 NONE: Mapping[str, str] = MappingProxyType({})
@@ -81,9 +81,9 @@ def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress =
     """Simulate the probes of all candidates; those that cannot be simulated are left out."""
     problem, arm = estimator.problem.with_step(LONGER * estimator.problem.step), estimator.arm
     probed = []
-    with reported(progress, "probing effects") as report:
+    with until(SCREENED), reported(progress, "probing effects") as report:
         for k, candidate in enumerate(found):
-            if not allows("all effects were screened", HALF):
+            if not allows("all effects were screened"):
                 break
             try:
                 moves = in_proportion(candidate, estimator.nuisance.keys, estimator.jacobian)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from flexarm.budget import allows, current
+from flexarm.budget import allows, current, until
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import Candidate, carries
@@ -30,6 +30,8 @@ from flexarm.diagnosis.refinement import about_or_here, settled, without_effects
 from flexarm.diagnosis.screening import Probed
 
 Note = Callable[[str, float], object]
+SEARCHED, WEIGHED = 0.75, 0.9
+"""Parts of a budget of time at which the search for effects, and the weighing of their alternatives, end."""
 
 
 @dataclass(eq=False)
@@ -74,10 +76,12 @@ def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = N
     null, about_null = without_effects(start, estimator)
     places = cardan_joints(problem.arm, driven_joints(problem.arm, problem.records.values()))
     state = SearchState(probed, start, null, about_null, Criteria(problem, null), places)
-    best, about = forward_and_backward(state, estimator, tell)
+    with until(SEARCHED):
+        best, about = forward_and_backward(state, estimator, tell)
     most = problem.policy.most_effects
     tell("weighing rivals", most / (most + 1))
-    choice = swap(state, *settled(best, about))
+    with until(WEIGHED):
+        choice = swap(state, *settled(best, about))
     gains = [(f, log_bayes_factor(f, null, problem)) for f in state.tried]
     return replace(choice, tried=gains)
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.arguments import ARM, COUNT, FLAG, JOBS, NUMBER, POLICY, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
 from flexarm.arm.spring_effect import SpringEffect
-from flexarm.budget import allows, current, limited
+from flexarm.budget import allows, current, ended_early, limited
 from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, rhythms
@@ -203,7 +203,8 @@ def _diagnosis(
     updated, refined = restore_unidentifiable(problem.arm, updated, refined, bench.in_training)
     updated = without_idle_zeros(updated, arm)
     missing, members, sizes = MissingLaws(), choice.best.members, found.sizes
-    if laws and found.verdict == "unexplained" and allows("the missing law was sought"):
+    early = ended_early(current().remarks)  # what nobody looked for may be in the vocabulary
+    if laws and not early and found.verdict == "unexplained" and allows("the missing law was sought"):
         tell(0.87, "missing law")
         signal = main_signal(parted.training, bench.in_training(arm))
         ground = LawCheck(bench, arm, updated, signal)
