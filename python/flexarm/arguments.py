@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import wraps
 from importlib import import_module
 from inspect import signature
+from reprlib import repr as shortened
 from typing import Any, ParamSpec, TypeVar
 
 from flexarm.errors import InvalidParameter
@@ -75,7 +76,9 @@ def _numpy() -> Any:
 
 
 def _told(value: object) -> str:
-    """Return the text of a value, or the type of a large one."""
+    """Return the text of a value, shortened if it holds others, or the type of a large one."""
+    if isinstance(value, dict | list | tuple):
+        return shortened(value)
     simple = value is None or isinstance(value, str | bytes | float | bool)
     return repr(value)[:80] if simple else f"{type(value).__name__}"
 

@@ -35,7 +35,7 @@ OTHERS = {
 """First bytes of what no command reads."""
 SHEETS = (".xlsx", ".xlsm", ".xlsb", ".ods")
 """Endings of spreadsheets, which are zip archives."""
-ADVICE = "write a map and read it with `flexarm import` (docs/importing.md)"
+ADVICE = "`flexarm import --guess` proposes a map for it, which `flexarm import` reads (docs/importing.md)"
 
 
 def log_kind(path: Path) -> str | None:

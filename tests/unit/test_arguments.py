@@ -1,5 +1,6 @@
 """Arguments of a wrong type or shape are refused by name before any work is done."""
 
+import inspect
 import tomllib
 from collections.abc import Callable
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import flexarm
 from flexarm import (
     Arm,
     Drive,
@@ -31,6 +33,7 @@ from flexarm import (
     simulate_all,
     static,
 )
+from flexarm.effects import JointCompliance
 from flexarm.record.table import Clock
 from flexarm.superelement import SuperElement
 
@@ -132,3 +135,24 @@ def test_the_name_of_an_arm_can_be_printed() -> None:
     for name in ("a\x00", "a\u202e", "x" * 5000):
         with pytest.raises(InvalidParameter, match="name"):
             Arm.from_dict({"name": name, "joints": [], "links": []})
+
+
+def test_a_value_inside_a_dictionary_is_shown(arm: Arm) -> None:
+    with pytest.raises(InvalidParameter, match=r"got \{'boom': '0.3'\}"):
+        static(arm, joints={"boom": "0.3"})  # type: ignore[dict-item]
+
+
+def test_an_effect_takes_values_by_name() -> None:
+    with pytest.raises(
+        InvalidParameter, match="JointCompliance takes values by name, at=, stiffness=, damping="
+    ):
+        JointCompliance("boom", 3e4)  # type: ignore[call-arg]
+
+
+def test_the_signature_of_an_effect_tells_types_and_defaults() -> None:
+    told = "(*, at: str, stiffness: float = inf, damping: float = 0.0)"
+    assert str(inspect.signature(JointCompliance)) == told
+
+
+def test_public_names_are_listed_once() -> None:
+    assert len(dir(flexarm)) == len(set(dir(flexarm)))

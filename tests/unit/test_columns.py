@@ -1,5 +1,7 @@
 """A CSV file is read block by block: where a block ends changes neither numbers nor messages."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -68,3 +70,11 @@ def test_quoted_cells_are_numbers_too(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text('time_s,"angle"\n"0",1\n1,"2.5"\n')
     assert CsvFile(path).numbers(["angle"]).tolist() == [[1], [2.5]]
+
+
+@pytest.mark.parametrize("mark", [";", "\t", "|"])
+def test_another_separator_is_told(tmp_path, mark):
+    path = tmp_path / "run.csv"
+    path.write_text(HEADER.replace(",", mark).replace("# made by hand\n", "") + f"0,5{mark}x{mark}1{mark}2\n")
+    with pytest.raises(InvalidFile, match=re.escape(f"header: cells are separated by {mark!r}")):
+        CsvFile(path)

@@ -70,8 +70,8 @@ def test_drive_is_frozen():
         ([0.0, 0.0], [1.0, 2.0], "rising"),
         ([0.0, -1.0], [1.0, 2.0], "rising"),
         ([0.0, np.nan], [1.0, 2.0], "finite"),
-        ([0.0, 1.0], [1.0, np.inf], "hinge: needs 2 finite"),
-        ([0.0, 1.0], [1.0, 2.0, 3.0], "hinge: needs 2 finite"),
+        ([0.0, 1.0], [1.0, np.inf], "hinge: must be finite, got inf at 1 s"),
+        ([0.0, 1.0], [1.0, 2.0, 3.0], "hinge: needs 2 values, one for each time"),
     ],
 )
 def test_bad_samples_are_named(time, values, message):
@@ -135,3 +135,15 @@ def test_missing_csv_is_named(tmp_path):
 def test_drive_of_an_unknown_joint_is_refused():
     with pytest.raises(InvalidParameter, match="'elbow', which is no moving joint; there are hinge, wrist"):
         flexarm.simulate(ARM, Drive.from_samples([0, 1], {"elbow": [0, 1]}))
+
+
+@pytest.mark.parametrize(
+    ("samples", "what"),
+    [
+        (T[:4], r"hinge: needs 6 values, one for each time, got shape \(4,\)"),
+        (np.where(T == 0.5, np.nan, T), "hinge: must be finite, got nan at 0.5 s"),
+    ],
+)
+def test_samples_that_do_not_fit_are_told_with_their_place(samples, what):
+    with pytest.raises(InvalidParameter, match=what):
+        Drive.from_samples(T, {"hinge": samples})

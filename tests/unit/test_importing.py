@@ -387,7 +387,8 @@ def test_a_table_in_place_of_a_model_is_named(tmp_path, capsys):
 
     (tmp_path / "log.csv").write_text(ROWS)
     assert run(["check", str(tmp_path / "log.csv")]) == 2
-    assert "is a table of numbers, such as CSV; write a map" in capsys.readouterr().err
+    advice = "`flexarm import --guess` proposes a map"
+    assert f"is a table of numbers, such as CSV; {advice}" in capsys.readouterr().err
 
 
 def test_a_plain_text_in_place_of_a_model_is_named(tmp_path, capsys):

@@ -77,6 +77,9 @@ MISTAKES = {
     "wrong format": ("flexarm-arm/1", "flexarm-arm/9", "format", "is 'flexarm-arm/9'; allowed is 'flexarm-arm/1'"),
     "no format": ("format =", "formatted =", "format", "is missing"),
     "not TOML": ("gravity =", "gravity", "line 3, column 9", "not valid TOML"),
+    "decimal comma": ("mass = ", "mass = 6,5 #", "line ", "'; decimals take a point"),
+    "text without quotes": ('name = "tip"', "name = tip", "line ", "got 'name = tip'; texts stand in quotes"),
+    "unit behind a number": ("mass = ", "mass = 6 kg #", "line ", "'; a number stands without its unit"),
     "name with a dot": ('name = "tip"', 'name = "tip.1"', "points.tip.1.name", "contains '.'"),
     "long name": ('name = "tip"', f'name = "{"t" * 101}"', "points.ttt", "has 101 characters; allowed are 100"),
     "name that turns writing": ('name = "tip"', 'name = "tip\\u202e"', "points.tip", "contains '\\u202e'"),
@@ -86,7 +89,7 @@ MISTAKES = {
                                 'name = "time_delay"\nat = "a\\u202eb"', "effects.time_delay", "contains '\\u202e'"),
     "section of two planes": ('shape = "tube", outer_diameter = 0.06024, thickness = 3.25e-3',
                               'shape = "rectangle", width = 0.1, height = 0.02', "links.rod.up", "is missing"),
-    "table for a list": ("[[points]]", "[points]", "points", "must be a list"),
+    "table for a list": ("[[points]]", "[points]", "points", "; write each as [[points]]"),
 }  # fmt: skip
 
 
@@ -218,6 +221,12 @@ def test_a_file_that_is_no_model_is_told_apart(content: bytes | None, what: str,
 
 def test_a_directory_is_no_model(tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match="is a directory, a file is needed"):
+        Arm.from_toml(tmp_path)
+
+
+def test_a_record_in_place_of_a_model_is_told(tmp_path: Path) -> None:
+    (tmp_path / "record.toml").write_text('format = "flexarm-record/1"\n')
+    with pytest.raises(InvalidFile, match="is a record, a file is needed; a command takes the model first"):
         Arm.from_toml(tmp_path)
 
 

@@ -53,7 +53,7 @@ MISTAKES = {
     "cut row": (TRK, "0.25,nan,nan", "0.25,n", TRK, "line 4", "has 2 cells, the header has 3"),
     "column twice": (TRK, "tip_z_mm", "tip_x_mm", TRK, "header", "column 'tip_x_mm' stands there twice"),
     "no rows": (ENC, "0.0,10.0\n0.1,20.0\n0.2,30.0\n", "", ENC, "line 3", "has a header and no rows"),
-    "semicolons": (ENC, "time_s,encoder_deg", "time_s;encoder_deg", TOML, "signals.hinge.time", "time_s;encoder_deg"),
+    "semicolons": (ENC, "time_s,encoder_deg", "time_s;encoder_deg", ENC, "header", "cells are separated by ';'"),
 }  # fmt: skip
 
 

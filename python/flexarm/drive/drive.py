@@ -79,8 +79,12 @@ class Drive:
         joints = {}
         for name, samples in values.items():
             y = np.asarray(samples, dtype=float)
-            if y.shape != t.shape or not np.all(np.isfinite(y)):
-                raise InvalidParameter(f"needs {len(t)} finite values, one a time", where=name)
+            if y.shape != t.shape:
+                what = f"needs {len(t)} values, one for each time, got shape {y.shape}"
+                raise InvalidParameter(what, where=name)
+            if not np.all(np.isfinite(y)):
+                row = int(np.argmin(np.isfinite(y)))
+                raise InvalidParameter(f"must be finite, got {y[row]} at {t[row]:.9g} s", where=name)
             if at := first_beyond(y, "rad"):
                 raise InvalidParameter(str(out_of_range(float(y[at]), "rad", size=False)), where=name)
             joints[name] = (

@@ -74,6 +74,10 @@ class CsvFile:
 
     def _header(self, line: str) -> list[str]:
         header = [name.strip() for name in self._cells(line)]
+        other = next((mark for mark in ";\t|" if len(header) == 1 and mark in line.strip()), None)
+        if other:
+            what = f"cells are separated by {other!r}; allowed are commas, and points in decimals"
+            raise InvalidFile(self.file, "header", f"{what}; `flexarm import` reads other forms")
         doubled = {name for name in header if header.count(name) > 1 and name}
         if doubled:
             raise InvalidFile(self.file, "header", f"column {min(doubled)!r} stands there twice")

@@ -64,6 +64,28 @@ def documented(table: type[BaseModel]) -> str:
     return "\n".join(lines)
 
 
+def signature_of(table: type[BaseModel]) -> inspect.Signature:
+    """Return how a table is made, as `help` and editors show it: fields by name, with types in words."""
+    required: list[inspect.Parameter] = []
+    others: list[inspect.Parameter] = []
+    for name, field in table.model_fields.items():
+        one = inspect.Parameter(
+            name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=inspect.Parameter.empty if field.is_required() else field.get_default(),
+            annotation=_Words(_type_words(field.annotation)),
+        )
+        (required if field.is_required() else others).append(one)
+    return inspect.Signature([*required, *others])
+
+
+class _Words(str):
+    """A text that a signature shows without quotes."""
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
 def _type_words(annotation: Any) -> str:
     """Return a type as docstrings say it: `float`, `(3,)`, `{"start", "end"}`."""
     origin, inner = get_origin(annotation), get_args(annotation)

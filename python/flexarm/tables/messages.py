@@ -47,6 +47,8 @@ def sentence(error: dict[str, Any], field: FieldInfo | None, allowed: list[str])
         return f"must be {must}, {got}"
     if kind == "float_type" and _is_number(value):
         return f"must be a number that a double can hold, {got}"
+    if kind in ("list_type", "tuple_type") and isinstance(value, dict):
+        return f"must be a list of tables, {got}; write each as [[{error['loc'][-1]}]]"
     if kind in _TYPES:
         return f"must be {_TYPES[kind]}" + (f" [{unit}]" if unit not in ("", "-") else "") + f", {got}"
     if kind == "literal_error":

@@ -21,7 +21,7 @@ from pydantic import (
 
 from flexarm.errors import InvalidParameter
 from flexarm.tables.check import parameter_error
-from flexarm.tables.field import documented, unit_of
+from flexarm.tables.field import documented, signature_of, unit_of
 from flexarm.tables.ranges import NEVER_ZERO_ALONE, out_of_range
 
 Key = TypeVar("Key", bound=Hashable)
@@ -120,6 +120,7 @@ class Table(BaseModel):
         super().__pydantic_init_subclass__(**kwargs)
         if cls.__doc__:  # Python -OO has none
             cls.__doc__ = documented(cls)
+        cls.__signature__ = signature_of(cls)
 
     @field_validator("*", mode="after")
     @classmethod
@@ -130,7 +131,12 @@ class Table(BaseModel):
                 raise ValueError(wrong)
         return value
 
-    def __init__(self, **values: Any) -> None:
+    def __init__(self, *unnamed: Any, **values: Any) -> None:
+        if unnamed:
+            fields = ", ".join(f"{name}=" for name in type(self).model_fields)
+            raise InvalidParameter(
+                f"{type(self).__name__} takes values by name, {fields}; got {unnamed[0]!r} without one"
+            )
         try:
             super().__init__(**values)
         except ValidationError as error:

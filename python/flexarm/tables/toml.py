@@ -20,6 +20,8 @@ def read_text(file: Path) -> str:
     """
     if kind := foreign_kind(file):
         raise InvalidFile(file, "file", kind)
+    if (file / "record.toml").is_file():
+        raise InvalidFile(file, "file", "is a record, a file is needed; a command takes the model first")
     regular_file(file)
     try:
         return file.read_bytes().decode("utf-8-sig")
@@ -44,7 +46,7 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
         if kind := prose(text):
             raise InvalidFile(file, "file", f"{kind}; allowed is {expected_format!r}") from None
         what, place = _split_place(str(error))
-        raise InvalidFile(file, place, f"not valid TOML: {what}") from None
+        raise InvalidFile(file, place, f"not valid TOML: {what}{_line_at(text, place)}") from None
     except ValueError:  # Python reads no integer of more digits
         raise InvalidFile(file, _longest_line(text), "a whole number has thousands of digits") from None
     found = data.get("format")
@@ -64,6 +66,23 @@ def _split_place(message: str) -> tuple[str, str]:
     """Tomllib's "Invalid value (at line 3, column 5)" as sentence and place."""
     match = re.fullmatch(r"(.*?) \(at (line \d+, column \d+|end of document)\)", message, re.DOTALL)
     return (match[1], match[2]) if match else (message, "TOML")
+
+
+def _line_at(text: str, place: str) -> str:
+    """Return the line of a place, with the form of numbers and texts where it is another one."""
+    match = re.match(r"line (\d+)", place)
+    line = text.splitlines()[int(match[1]) - 1].strip() if match else ""
+    if not line:
+        return ""
+    value = line.partition("=")[2].strip()
+    hint = ""
+    if re.match(r"[-+]?\d+,\d", value):
+        hint = "; decimals take a point"
+    elif re.match(r"[^\W\d]", value):
+        hint = "; texts stand in quotes"
+    elif re.match(r"[-+\d.]+\s*[^\W\d]", value):
+        hint = "; a number stands without its unit"
+    return f", got {line[:60]!r}{hint}"
 
 
 def toml_text(data: Mapping[str, Any]) -> str:
