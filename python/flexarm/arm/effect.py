@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, Type
 from pydantic import Field, ValidationError
 
 from flexarm.arm.effect_traits import EffectTraits
-from flexarm.arm.prior import QUANTILE, Prior
+from flexarm.arm.prior import QUANTILE, Prior, Priors, Values
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.errors import InvalidParameter
 from flexarm.tables import component_names, unit_of
@@ -196,11 +196,7 @@ class Effect(EffectTraits):
         return [Trial()]
 
     def probes(
-        self,
-        stated: Effect | None,
-        free: Sequence[str],
-        null: Mapping[str, float],
-        priors: Mapping[str, Prior],
+        self, stated: Effect | None, free: Sequence[str], null: Values, priors: Priors
     ) -> Iterable[Self]:
         """Return the effect at plausible sizes, one for each direction of the prediction, eq. (1)."""
         sized = [key for key in free if key not in self.shape]
@@ -211,7 +207,7 @@ class Effect(EffectTraits):
         self,
         multiples: Sequence[float],
         probes: Sequence[Effect],
-        null: Mapping[str, float],
+        null: Values,
         stated: Effect | None,
         least: float,
     ) -> dict[str, float]:

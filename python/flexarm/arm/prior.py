@@ -17,6 +17,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import exp, inf, log, pi, sqrt
 from typing import TYPE_CHECKING, Literal
@@ -84,3 +85,8 @@ class Prior:
         if self.scale == "log":
             low, mode, high = log(low), log(mode), log(high)
         return mode, (mode - low) / QUANTILE, (high - mode) / QUANTILE
+
+
+Priors = Mapping[str, Prior]
+Values = Mapping[str, float]
+"""By the names of parameters."""

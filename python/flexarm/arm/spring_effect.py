@@ -8,7 +8,7 @@ each; a search then begins with one of them soft and the other as good as rigid.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import isinf
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
@@ -21,7 +21,7 @@ from flexarm.tables import Inconsistent, Number, Vector2
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
-    from flexarm.arm.prior import Prior
+    from flexarm.arm.prior import Prior, Priors, Values
     from flexarm.arm.rotation import Vector
 
 
@@ -131,11 +131,7 @@ class SpringEffect(Effect):
         yield from (Trial(start={key: k / times for key, k in start.items()}) for times in softer)
 
     def probes(
-        self,
-        stated: Effect | None,
-        free: Sequence[str],
-        null: Mapping[str, float],
-        priors: Mapping[str, Prior],
+        self, stated: Effect | None, free: Sequence[str], null: Values, priors: Priors
     ) -> Iterator[Self]:
         """Yield this spring, about one axis after the other, with a damping in proportion."""
         for key, k in self.stiffnesses.items():
@@ -149,7 +145,7 @@ class SpringEffect(Effect):
         self,
         multiples: Sequence[float],
         probes: Sequence[Effect],
-        null: Mapping[str, float],
+        null: Values,
         stated: Effect | None,
         least: float,
     ) -> dict[str, float]:

@@ -5,14 +5,14 @@ r"""Sines: effects whose prediction is linear in the parts of a sine and a cosin
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from math import atan2, hypot, pi
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from flexarm.arm.effect import Effect
 
 if TYPE_CHECKING:
-    from flexarm.arm.prior import Prior
+    from flexarm.arm.prior import Priors, Values
 
 
 class WaveEffect(Effect):
@@ -22,11 +22,7 @@ class WaveEffect(Effect):
     shape: ClassVar[tuple[str, ...]] = ("phase",)
 
     def probes(
-        self,
-        stated: Effect | None,
-        free: Sequence[str],
-        null: Mapping[str, float],
-        priors: Mapping[str, Prior],
+        self, stated: Effect | None, free: Sequence[str], null: Values, priors: Priors
     ) -> Iterator[Self]:
         """Yield a sine and a cosine of typical size."""
         for phase in (0.0, pi / 2):
@@ -36,7 +32,7 @@ class WaveEffect(Effect):
         self,
         multiples: Sequence[float],
         probes: Sequence[Effect],
-        null: Mapping[str, float],
+        null: Values,
         stated: Effect | None,
         least: float,
     ) -> dict[str, float]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter
-
 from flexarm.arm import Arm
 from flexarm.calibration.estimates import (
     CalibratedFamily,
@@ -17,7 +15,7 @@ from flexarm.calibration.estimates import (
 )
 from flexarm.report.calibration import KIND, REPORT
 from flexarm.report.calibration_file import CalibrationFile
-from flexarm.report.storage import GAPS, MODEL, stored_gaps, stored_object
+from flexarm.report.storage import GAPS, MODEL, stored_gaps, stored_object, tuple_of
 
 
 def stored(path: str | Path) -> dict[str, Any]:
@@ -31,10 +29,10 @@ def stored(path: str | Path) -> dict[str, Any]:
     return {
         "arm": arm,
         "updated": Arm.from_toml(directory / MODEL),
-        "parameters": _tuple_of(CalibratedParameter, told["parameters"]),
+        "parameters": tuple_of(CalibratedParameter, told["parameters"], None),
         "correlations": matrix(told["correlations"]["matrix"]),
-        "families": _tuple_of(CalibratedFamily, told["families"]),
-        "frames": _tuple_of(CalibratedFrame, told["frames"]),
+        "families": tuple_of(CalibratedFamily, told["families"], None),
+        "frames": tuple_of(CalibratedFrame, told["frames"], None),
         "chi_square": ChiSquare(**{k: v for k, v in told["chi_square"].items() if k != "reduced"}),
         **comparisons,
         "training": tuple(details["training"]),
@@ -44,8 +42,3 @@ def stored(path: str | Path) -> dict[str, Any]:
         "remarks": tuple(details["remarks"]),
         "provenance": told["provenance"],
     }
-
-
-def _tuple_of(kind: type[Any], entries: list[dict[str, Any]]) -> tuple[Any, ...]:
-    """Return entries as data classes, nested ones too."""
-    return TypeAdapter(tuple[kind, ...]).validate_python(entries)  # type: ignore[valid-type]

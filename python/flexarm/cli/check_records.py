@@ -71,12 +71,6 @@ def _told(found: ValidationResult) -> dict[str, Any]:
 
 
 def _fault(fault: Fault) -> dict[str, Any]:
-    return {
-        "name": fault.name,
-        "at": fault.at,
-        "channels": list(fault.channels),
-        "records": list(fault.records),
-        "probability": fault.probability,
-        "parameters": [{"name": p.name, "value": p.value, "unit": p.unit} for p in fault.parameters],
-        "evidence": fault.evidence,
-    }
+    keys = ("name", "at", "channels", "records", "probability", "parameters", "evidence")
+    parameters = [{"name": p.name, "value": p.value, "unit": p.unit} for p in fault.parameters]
+    return {key: parameters if key == "parameters" else getattr(fault, key) for key in keys}

@@ -13,6 +13,7 @@ import typer
 
 from flexarm.cli.run import INPUT_AT_FAULT
 from flexarm.errors import InvalidFile, InvalidParameter, Problem, printable
+from flexarm.json_values import plain
 from flexarm.reading import OUTSIDE
 
 if TYPE_CHECKING:
@@ -198,12 +199,4 @@ def print_json(value: object) -> None:
     """One JSON object on standard output; numbers that are not finite become null."""
     import json
 
-    print(json.dumps(_finite(value), indent=2, allow_nan=False))
-
-
-def _finite(value: object) -> object:
-    if isinstance(value, dict):
-        return {str(key): _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    print(json.dumps(plain(value), indent=2, allow_nan=False))

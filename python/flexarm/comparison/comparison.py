@@ -11,6 +11,7 @@ import numpy as np
 
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.gap import SignalGap
+from flexarm.json_values import plain
 from flexarm.wording import number, scale
 
 if TYPE_CHECKING:
@@ -62,9 +63,9 @@ class Comparison:
                 {
                     "parameter": str(unknown),
                     "value": float(value),
-                    "std": _finite(std),
+                    "std": plain(float(std)),
                     "prior": unknown.centre,
-                    "prior_sigma": _finite(unknown.sigma),
+                    "prior_sigma": plain(unknown.sigma),
                     "unit": unknown.unit,
                 }
                 for unknown, value, std in zip(
@@ -167,10 +168,6 @@ def frame_words(name: str, pose: tuple[list[float], list[float]]) -> str:
         ", ".join(f"{value:.{digits}f}" for value in part) for part, digits in zip(pose, (5, 6), strict=True)
     )
     return f"frame {name} found at xyz = [{xyz}] m, rpy = [{rpy}] rad in the base"
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
 
 
 def _sigma(std: float, infinite: str) -> str:

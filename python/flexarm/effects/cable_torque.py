@@ -7,12 +7,12 @@ T [N m] is the torque on the link about +axis, \theta [rad] the link's angle rel
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from math import pi
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from flexarm.arm.effect import Effect
-from flexarm.arm.prior import Prior
+from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -40,11 +40,7 @@ class CableTorque(Effect):
         )  # eq. (1)
 
     def probes(
-        self,
-        stated: Effect | None,
-        free: Sequence[str],
-        null: Mapping[str, float],
-        priors: Mapping[str, Prior],
+        self, stated: Effect | None, free: Sequence[str], null: Values, priors: Priors
     ) -> Iterator[Self]:
         """Yield two rest angles: (1) is linear in k_c and k_c theta_r."""
         for angle in (0.0, 0.5):
@@ -54,7 +50,7 @@ class CableTorque(Effect):
         self,
         multiples: Sequence[float],
         probes: Sequence[Effect],
-        null: Mapping[str, float],
+        null: Values,
         stated: Effect | None,
         least: float,
     ) -> dict[str, float]:

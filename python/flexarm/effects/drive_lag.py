@@ -11,13 +11,13 @@ models do not know it, and steppers refuse it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from flexarm.arm.arm import Arm
 from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arm.effect import Effect
-from flexarm.arm.prior import Prior
+from flexarm.arm.prior import Prior, Values
 from flexarm.tables import Number, value_in
 
 
@@ -50,7 +50,7 @@ class DriveLag(DriveEffect):
         self,
         multiples: Sequence[float],
         probes: Sequence[Effect],
-        null: Mapping[str, float],
+        null: Values,
         stated: Effect | None,
         least: float,
     ) -> dict[str, float]:

@@ -11,13 +11,13 @@ the motor's torque.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.friction_effect import FrictionEffect
 from flexarm.arm.motor_limits import back_emf_damping, stall_torque, within
-from flexarm.arm.prior import Prior
+from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -47,11 +47,7 @@ class MotorFriction(FrictionEffect):
         ]  # eq. (1)
 
     def probes(
-        self,
-        stated: Effect | None,
-        free: Sequence[str],
-        null: Mapping[str, float],
-        priors: Mapping[str, Prior],
+        self, stated: Effect | None, free: Sequence[str], null: Values, priors: Priors
     ) -> Iterator[Self]:
         """Yield dry and viscous friction, each without the other."""
         for key, other in (("coulomb", "viscous"), ("viscous", "coulomb")):

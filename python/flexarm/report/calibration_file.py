@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from flexarm.report.report_file import Entry, GapsEntry, Known, gaps_of, plain, provenance_of
+from flexarm.json_values import plain
+from flexarm.report.report_file import Entry, GapsEntry, Known, gaps_of, provenance_of
 
 if TYPE_CHECKING:
     from flexarm.calibration.result import Calibration

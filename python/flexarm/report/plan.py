@@ -5,13 +5,14 @@ Figures show which effect would be taken for which, and how small an effect is s
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.json_values import plain
 from flexarm.report.diagnosis_page import effect_law
 from flexarm.report.files import Drawing, drawn, filled, write_files
 from flexarm.report.sheets import margin_for, sheet
@@ -214,54 +215,41 @@ FORMAT = "flexarm-plan/1"
 
 def plan_dict(plan: Plan) -> dict[str, Any]:
     """Return the object of the file; what is infinite becomes null."""
-    return {
+    effects = [
+        {
+            **{key: getattr(each, key) for key in ("name", "at", "parameter", "unit", "value", "null")},
+            "smallest_detectable": each.least if each.detectable else None,
+            **{key: getattr(each, key) for key in ("log_bayes_factor", "seen", "hidden")},
+        }
+        for each in plan.effects
+    ]
+    content = {
         "format": FORMAT,
         "model": plan.arm.name,
-        "runs": list(plan.runs),
-        "assumed": list(plan.assumed),
+        "runs": plan.runs,
+        "assumed": plan.assumed,
         "thresholds": plan.thresholds,
-        "effects": [
-            {
-                "name": each.name,
-                "at": each.at,
-                "parameter": each.parameter,
-                "unit": each.unit,
-                "value": _finite(each.value),
-                "null": _finite(each.null),
-                "smallest_detectable": _finite(each.least) if each.detectable else None,
-                "log_bayes_factor": _finite(each.log_bayes_factor),
-                "seen": each.seen,
-                "hidden": each.hidden,
-            }
-            for each in plan.effects
-        ],
-        "log_bayes_factor": [[_finite(x) for x in row] for row in plan.log_bayes_factor],
-        "groups": [
-            [{"name": plan.effects[i].name, "at": plan.effects[i].at} for i in group] for group in plan.groups
-        ],
+        "effects": effects,
+        "log_bayes_factor": plan.log_bayes_factor,
+        "groups": [_places(plan.effects[i].place for i in group) for group in plan.groups],
         "ties": [_tie(each) for each in plan.ties],
-        "provenance": dict(plan.provenance),
+        "provenance": plan.provenance,
     }
+    found: dict[str, Any] = plain(content)
+    return found
 
 
 def _tie(tie: Tie) -> dict[str, Any]:
+    keys = ("addition", "minutes", "log_bayes_factor", "parts")
     return {
-        "effects": [{"name": name, "at": at} for name, at in (tie.one, tie.other)],
-        "log_bayes_factor": _finite(tie.log_bayes_factor),
-        "additions": [
-            {
-                "addition": each.addition,
-                "minutes": each.minutes,
-                "log_bayes_factor": _finite(each.log_bayes_factor),
-                "parts": each.parts,
-            }
-            for each in tie.partings
-        ],
+        "effects": _places((tie.one, tie.other)),
+        "log_bayes_factor": tie.log_bayes_factor,
+        "additions": [{key: getattr(each, key) for key in keys} for each in tie.partings],
     }
 
 
-def _finite(value: float) -> float | None:
-    return float(value) if isfinite(value) else None
+def _places(places: Iterable[tuple[str, str]]) -> list[dict[str, str]]:
+    return [{"name": name, "at": at} for name, at in places]
 
 
 def headline(plan: Plan) -> str:

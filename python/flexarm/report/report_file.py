@@ -6,14 +6,14 @@ that are agreed on, `details` holds what the page tells in sentences and curves.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
-from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from flexarm.configuration import config
+from flexarm.json_values import plain
 from flexarm.report.sentences import foretold_sentence, remarks_beside
 
 if TYPE_CHECKING:
@@ -24,13 +24,8 @@ if TYPE_CHECKING:
 
 FORMAT = "flexarm-diagnosis/1"
 
-
-def _known(value: Any) -> Any:
-    """None for a number that is not finite, which JSON has not."""
-    return None if value is not None and not isfinite(value) else value
-
-
-Known = Annotated[float | None, BeforeValidator(_known)]
+Known = Annotated[float | None, BeforeValidator(plain)]
+"""None for a number that is not finite, which JSON has not."""
 Probability = Annotated[float, Field(ge=0, le=1)]
 
 
@@ -337,14 +332,3 @@ def _details(d: Diagnosis) -> dict[str, Any]:
         },
         "statistics": asdict(d.statistics),
     }
-
-
-def plain(value: Any) -> Any:
-    """Return what JSON can hold: dictionaries, lists, plain numbers, null for those that are not finite."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if hasattr(value, "tolist"):  # arrays and scalars of NumPy
-        return plain(value.tolist())
-    if isinstance(value, Iterable) and not isinstance(value, str):
-        return [plain(item) for item in value]
-    return _known(value) if isinstance(value, float) else value

@@ -29,16 +29,7 @@ from flexarm.configuration import version
 from flexarm.errors import InvalidFile
 from flexarm.fit_statistics import FitStatistics
 from flexarm.law_curve import LawCurve
-from flexarm.named_effects import (
-    Alternative,
-    Estimate,
-    NamedEffect,
-    Nuisance,
-    Place,
-    Refined,
-    Rejected,
-    Stage,
-)
+from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.netcdf import Contents, Variable
 from flexarm.reading import reading
 from flexarm.report.report_file import ReportFile
@@ -102,16 +93,14 @@ def _comparison_facts(comparison: Comparison) -> dict[str, Any]:
     }
 
 
+_GAP_KEYS = ("name", "quantity", "rms", "max", "noise_rms", "removed")
+
+
 def _gap_facts(gap: SignalGap) -> dict[str, Any]:
     return {
-        "name": gap.name,
-        "quantity": gap.quantity,
+        **{key: getattr(gap, key) for key in _GAP_KEYS},
         "directions": list(gap.parts),
-        "rms": dict(gap.rms),
-        "max": dict(gap.max),
         "bands": [[band.low, band.high, band.rms] for band in gap.bands],
-        "noise_rms": gap.noise_rms,
-        "removed": gap.removed,
         "gross": list(gap.gross),
     }
 
@@ -131,10 +120,10 @@ def stored(path: str | Path) -> dict[str, Any]:
         "verdict": told["verdict"],
         "arm": arm,
         "updated": Arm.from_toml(directory / MODEL),
-        "effects": tuple(map(_effect, told["effects"])),
-        "nuisances": tuple(Nuisance(n["name"], n["at"], _estimates(n)) for n in told["nuisances"]),
+        "effects": tuple_of(NamedEffect, told["effects"]),
+        "nuisances": tuple_of(Nuisance, told["nuisances"]),
         "refined": tuple(_refined(arm, entry) for entry in told["refined"]),
-        "rejected": tuple(map(_rejected, told["provenance"]["rejected"])),
+        "rejected": tuple_of(Rejected, told["provenance"]["rejected"], -math.inf),
         "where": tuple(told["where"]),
         **comparisons,
         "training": tuple(details["training"]),
@@ -142,7 +131,7 @@ def stored(path: str | Path) -> dict[str, Any]:
         "hold_out_kind": details["hold_out_kind"],
         "hold_out_why": details["hold_out_why"],
         "main_signal": told["gap"]["signal"],
-        "stages": tuple(_stage(entry) for entry in details["stages"]),
+        "stages": tuple_of(Stage, details["stages"]),
         "constancy": tuple(details["constancy"]),
         "remainder": details["remainder"],
         "remarks": tuple(details["remarks"]),
@@ -177,44 +166,28 @@ def stored_object(
         raise InvalidFile(file, "file", f"is no report of a {kind} ({what})") from None
 
 
-def _known(value: Any) -> Any:
-    """Return a value; NaN for a number that nobody knows."""
-    return math.nan if value is None else value
+def tuple_of(kind: type[Any], entries: Any, unknown: float | None = math.nan) -> tuple[Any, ...]:
+    """Return entries as data classes, nested ones too; `unknown` in place of each null."""
+    return TypeAdapter(tuple[kind, ...]).validate_python(_filled(entries, unknown))  # type: ignore[valid-type]
 
 
-def _estimates(entry: Entry) -> tuple[Estimate, ...]:
-    return tuple(Estimate(**{key: _known(v) for key, v in each.items()}) for each in entry["parameters"])
+def _filled(value: Any, unknown: float | None) -> Any:
+    if isinstance(value, dict):
+        return {key: _filled(item, unknown) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_filled(item, unknown) for item in value]
+    return unknown if value is None else value
+
+
+def _refined(arm: Arm, entry: Entry) -> Refined:
+    [parameter] = parameters(arm, [entry["parameter"]])
+    std = math.nan if entry["std"] is None else entry["std"]
+    return Refined(parameter.key, entry["value"], std, entry["nominal"], parameter.unit)
 
 
 def _law(entry: Entry) -> LawCurve:
     flat = {**entry, **entry["gap"]}
     return TypeAdapter(LawCurve).validate_python({key: flat[key] for key in flat if key != "gap"})
-
-
-def _place(entry: Entry) -> Place:
-    """Return a place, or the places of a family."""
-    return entry["at"] if isinstance(entry["at"], str) else tuple(entry["at"])
-
-
-def _effect(entry: Entry) -> NamedEffect:
-    alternatives = tuple(Alternative(a["name"], _place(a), a["probability"]) for a in entry["alternatives"])
-    return NamedEffect(
-        entry["name"], _place(entry), entry["probability"], _estimates(entry), alternatives, entry["evidence"]
-    )
-
-
-def _refined(arm: Arm, entry: Entry) -> Refined:
-    [parameter] = parameters(arm, [entry["parameter"]])
-    return Refined(parameter.key, entry["value"], _known(entry["std"]), entry["nominal"], parameter.unit)
-
-
-def _rejected(entry: Entry) -> Rejected:
-    factor = entry["log_bayes_factor"]
-    return Rejected(entry["name"], _place(entry), -math.inf if factor is None else factor, entry["why"])
-
-
-def _stage(entry: Entry) -> Stage:
-    return Stage(entry["label"], {record: _known(value) for record, value in entry["rms"].items()})
 
 
 def _comparisons(dataset: xr.Dataset) -> dict[str, dict[str, Comparison]]:
@@ -253,17 +226,11 @@ def _gaps(dataset: xr.Dataset) -> Iterator[tuple[str, str, SignalGap]]:
             values.attrs["side"],
             values.attrs["record"],
             SignalGap(
-                told["name"],
-                told["quantity"],
-                values.attrs["units"],
-                dataset[f"time_{k}"].values,
-                {name: there.get(name) for name in told["directions"]},
-                told["rms"],
-                told["max"],
-                tuple(Band(*each) for each in told["bands"]),
-                told["noise_rms"],
-                False,
-                told["removed"],
-                tuple(told["gross"]),
+                **{key: told[key] for key in _GAP_KEYS},
+                unit=values.attrs["units"],
+                time=dataset[f"time_{k}"].values,
+                parts={name: there.get(name) for name in told["directions"]},
+                bands=tuple(Band(*each) for each in told["bands"]),
+                gross=tuple(told["gross"]),
             ),
         )

@@ -9,7 +9,6 @@ out, and leave tracebacks behind when a file is damaged.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile, Problem
+from flexarm.json_values import plain
 from flexarm.netcdf import Contents
 from flexarm.netcdf import save as write
 from flexarm.output import refuse_existing
@@ -62,17 +62,6 @@ def contents(element: SuperElement) -> Contents:
         **element.provenance,
     }
     return Contents(variables, attributes=attributes)
-
-
-def plain(value: Any) -> Any:
-    """Convert arrays to lists and infinity to null, so that JSON takes them."""
-    if isinstance(value, dict) or hasattr(value, "items"):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def stored(path: str | Path) -> dict[str, Any]:

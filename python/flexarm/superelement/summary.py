@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.superelement.netcdf import plain
+from flexarm.json_values import plain
 from flexarm.superelement.stiffness_checks import rigid_body_error
 
 if TYPE_CHECKING:
