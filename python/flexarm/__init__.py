@@ -6,40 +6,52 @@ TYPE_CHECKING = False  # typing would take longer than the rest of this module
 if TYPE_CHECKING:
     from typing import Any
 
-    from flexarm.arm import Arm
-    from flexarm.calibration.policy import CalibrationPolicy
-    from flexarm.calibration.result import Calibration
-    from flexarm.calibration.workflow import calibrate
-    from flexarm.campaigns.campaign import Campaign, campaign
-    from flexarm.comparison.compare import compare
-    from flexarm.comparison.comparison import Comparison
-    from flexarm.comparison.frequency_response import compare_responses
-    from flexarm.configuration import config, show_config
-    from flexarm.diagnosis.design.plan_result import Plan
-    from flexarm.diagnosis.design.planning import plan
-    from flexarm.diagnosis.policy import SelectionPolicy
-    from flexarm.diagnosis.result import Diagnosis
-    from flexarm.diagnosis.workflow import diagnose
-    from flexarm.drive import Drive, JointDrive
-    from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
-    from flexarm.export import export_mjcf, export_part, export_urdf
-    from flexarm.importing import import_record
-    from flexarm.linear import LinearModel
-    from flexarm.linear.linearise import linearise
-    from flexarm.measurement.measure import measure
-    from flexarm.modal import Modes, modes
-    from flexarm.record import Record, Signal
-    from flexarm.reduction import InterfaceSet, reduce_mesh
-    from flexarm.sensitivity import Sensitivities
-    from flexarm.simulation.simulate import simulate
-    from flexarm.simulation.simulate_all import simulate_all
-    from flexarm.simulation.simulation import Simulation
-    from flexarm.solids import SolidMesh, read_mesh
-    from flexarm.statics.static import static
-    from flexarm.statics.statics import Statics
-    from flexarm.stepping import State, Stepper
-    from flexarm.superelement import SuperElement
-    from flexarm.superelement.foreign import accept_matrices
+    from flexarm.arm import Arm as Arm
+    from flexarm.calibration.policy import CalibrationPolicy as CalibrationPolicy
+    from flexarm.calibration.result import Calibration as Calibration
+    from flexarm.calibration.workflow import calibrate as calibrate
+    from flexarm.campaigns.campaign import Campaign as Campaign
+    from flexarm.campaigns.campaign import campaign as campaign
+    from flexarm.comparison.compare import compare as compare
+    from flexarm.comparison.comparison import Comparison as Comparison
+    from flexarm.comparison.frequency_response import compare_responses as compare_responses
+    from flexarm.configuration import config as config
+    from flexarm.configuration import show_config as show_config
+    from flexarm.diagnosis.design.plan_result import Plan as Plan
+    from flexarm.diagnosis.design.planning import plan as plan
+    from flexarm.diagnosis.policy import SelectionPolicy as SelectionPolicy
+    from flexarm.diagnosis.result import Diagnosis as Diagnosis
+    from flexarm.diagnosis.workflow import diagnose as diagnose
+    from flexarm.drive import Drive as Drive
+    from flexarm.drive import JointDrive as JointDrive
+    from flexarm.errors import InvalidFile as InvalidFile
+    from flexarm.errors import InvalidParameter as InvalidParameter
+    from flexarm.errors import NotConverged as NotConverged
+    from flexarm.export import export_mjcf as export_mjcf
+    from flexarm.export import export_part as export_part
+    from flexarm.export import export_urdf as export_urdf
+    from flexarm.importing import import_record as import_record
+    from flexarm.linear import LinearModel as LinearModel
+    from flexarm.linear.linearise import linearise as linearise
+    from flexarm.measurement.measure import measure as measure
+    from flexarm.modal import Modes as Modes
+    from flexarm.modal import modes as modes
+    from flexarm.record import Record as Record
+    from flexarm.record import Signal as Signal
+    from flexarm.reduction import InterfaceSet as InterfaceSet
+    from flexarm.reduction import reduce_mesh as reduce_mesh
+    from flexarm.sensitivity import Sensitivities as Sensitivities
+    from flexarm.simulation.simulate import simulate as simulate
+    from flexarm.simulation.simulate_all import simulate_all as simulate_all
+    from flexarm.simulation.simulation import Simulation as Simulation
+    from flexarm.solids import SolidMesh as SolidMesh
+    from flexarm.solids import read_mesh as read_mesh
+    from flexarm.statics.static import static as static
+    from flexarm.statics.statics import Statics as Statics
+    from flexarm.stepping import State as State
+    from flexarm.stepping import Stepper as Stepper
+    from flexarm.superelement import SuperElement as SuperElement
+    from flexarm.superelement.foreign import accept_matrices as accept_matrices
 
 # Public name and the module that defines it, imported when first used: `import flexarm` stays light.
 # A public name must not also be the name of a module, which would take its place once imported.
@@ -92,54 +104,7 @@ _EXPORTS = {
     "static": "flexarm.statics",
 }
 
-__all__ = [
-    "Arm",
-    "Calibration",
-    "CalibrationPolicy",
-    "Campaign",
-    "Comparison",
-    "Diagnosis",
-    "Drive",
-    "InterfaceSet",
-    "InvalidFile",
-    "InvalidParameter",
-    "JointDrive",
-    "LinearModel",
-    "Modes",
-    "NotConverged",
-    "Plan",
-    "Record",
-    "SelectionPolicy",
-    "Sensitivities",
-    "Signal",
-    "Simulation",
-    "SolidMesh",
-    "State",
-    "Statics",
-    "Stepper",
-    "SuperElement",
-    "accept_matrices",
-    "calibrate",
-    "campaign",
-    "compare",
-    "compare_responses",
-    "config",
-    "diagnose",
-    "export_mjcf",
-    "export_part",
-    "export_urdf",
-    "import_record",
-    "linearise",
-    "measure",
-    "modes",
-    "plan",
-    "read_mesh",
-    "reduce_mesh",
-    "show_config",
-    "simulate",
-    "simulate_all",
-    "static",
-]
+__all__ = [*_EXPORTS]
 
 
 def __getattr__(name: str) -> Any:

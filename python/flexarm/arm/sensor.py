@@ -93,6 +93,12 @@ class Measurement(Table):
         return self.joint or self.point or self.link or self.payload or ""
 
     @property
+    def located(self) -> dict[str, Any]:
+        """Where and along which axes it measures, as a `Signal` of a record takes it."""
+        keys = ("joint", "point", "link", "payload", "side", "axes", "frame", "position", "fibre")
+        return {key: getattr(self, key) for key in keys}
+
+    @property
     def si(self) -> tuple[str, float]:
         """SI unit of the values and the factor to it."""
         if self.torque_constant is not None:

@@ -36,8 +36,7 @@ def response_of(table: SignalMap, samples: Samples, signals: Sequence[SignalMap]
 
     Raise Unreadable if complex numbers stand where the map says none, or none where it says them.
     """
-    where = {key: getattr(table, key) for key in ("joint", "point", "link", "payload", "side", "axes")}
-    where |= {"position": table.position, "fibre": table.fibre, "frame": table.frame, "clock": clock}
+    where = {**table.located, "clock": clock}
     if table.input is None:
         return Signal(
             name=table.name,

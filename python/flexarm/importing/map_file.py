@@ -61,7 +61,7 @@ def _time(value: Any) -> Any:
     return value if isinstance(value, Every) else _column(value)
 
 
-def _columns(value: Any) -> Any:
+def _as_tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list | tuple) else (value,)
 
 
@@ -74,15 +74,11 @@ def _unit(value: Any) -> Any:
     return value
 
 
-def _factors(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list | tuple) else (value,)
-
-
 Column = Annotated[str | int, BeforeValidator(_column)]
-Columns = Annotated[tuple[Column, ...], BeforeValidator(_columns)]
+Columns = Annotated[tuple[Column, ...], BeforeValidator(_as_tuple)]
 Stamps = Annotated[str | int | tuple[Column, ...] | Every, BeforeValidator(_time)]
 Unit = Annotated[str | Counts | Current, BeforeValidator(_unit)]
-Numbers = Annotated[tuple[Number, ...], BeforeValidator(_factors)]
+Numbers = Annotated[tuple[Number, ...], BeforeValidator(_as_tuple)]
 Mark = Annotated[str, StringConstraints(min_length=1, max_length=1)]
 
 
@@ -105,74 +101,49 @@ class Dialect(Table):
 class SignalMap(Measurement):
     """A signal of a map: what `Measurement` says, and how it is read from a log.
 
-    Parameters
-    ----------
-    source : str
-        File, or directory of a ROS 2 bag, from where the map lies; none of the input of a frequency response.
-    topic : str, optional
-        Topic of a bag, path of a variable or group, name of a sheet.
-    columns : list of str or int
-        Columns or fields of the values; numbers count from 1, `[k]` picks a row of a matrix.
-    time : str, int, list of these or table, optional
-        Column or field of the stamps, "log" for the file's own time, or `{ rate_hz = }`; of stamps that are
-        texts the columns that make one together, such as date and time of day.
-    time_unit, time_format : str, optional
-        s, ms, us or ns; of stamps that are texts their form as `datetime.strptime` takes it.
-    pose : str or int, optional
-        In a record of poses the column that names the pose; left out: each row is a pose.
-    frequency, frequency_unit : optional
-        In a record of frequency responses the column of frequencies, in Hz, kHz or rad/s.
-    input : str, optional
-        There: name of the signal to which this one is the response; one without it is an input.
-    response : {"real-imaginary", "complex", "magnitude-phase", "decibel-phase"}
-        There: what the columns hold, two for each channel, of complex numbers one.
-    phase_unit : {"rad", "deg"}
-        There: unit of phases.
-    coherence, averages : optional
-        There: column of the coherence, and the number of its averages.
-    where : dict of str to str or number, optional
-        Only rows in which columns hold these values; in a text `*` stands for any others, `?` for one.
-    unit : str or table, optional
-        Unit of the values, `{ counts_per_turn = }` or `{ torque_constant = }`; default SI.
-    before_gear : bool
-        The value is the motor's own: divided, a torque multiplied, by the joint's gear ratio.
-    scale, offset : float or list of float
-        Value becomes scale x value + offset, in `unit`; a list has one number a column.
-    sum : bool
-        The columns, each with its scale and offset, are added: of a joint that several motors or joints move.
-    noise_std : float, optional
-        1 sigma per channel of the record's signal, in SI.
-    quaternion : {"xyzw", "wxyz"}
-        Order of the columns of an orientation.
-    mount : (3,), optional
-        Roll, pitch, yaw of a sensor of three axes in the axes of its signal [rad]; columns are the sensor's
-        x, y, z then.
-    csv : Dialect, optional
-        How a text file is written, where that cannot be seen.
+    `noise_std` is of the record's signal, in SI.
     """
 
     source: str = Field("", description="name of the file, from where the map lies")
+    """File, or directory of a ROS 2 bag; none of the input of a frequency response."""
     topic: str | None = None
+    """Topic of a bag, path of a variable or group, name of a sheet."""
     columns: Columns = ()
+    """Columns or fields of the values; numbers count from 1, `[k]` picks a row of a matrix."""
     time: Stamps | None = None
+    """Column or field of the stamps, "log" for the file's own time, or `{ rate_hz = }`; of stamps that are
+    texts the columns that make one together, such as date and time of day."""
     time_unit: str | None = None
     time_format: str | None = None
+    """s, ms, us or ns; of stamps that are texts their form as `datetime.strptime` takes it."""
     pose: Column | None = None
+    """In a record of poses the column that names the pose; left out: each row is a pose."""
     frequency: Column | None = None
     frequency_unit: Literal["Hz", "kHz", "rad/s"] = "Hz"
+    """In a record of frequency responses the column of frequencies."""
     input: Name | None = None
+    """There: name of the signal to which this one is the response; one without it is an input."""
     response: Literal["real-imaginary", "complex", "magnitude-phase", "decibel-phase"] = "real-imaginary"
+    """There: what the columns hold, two for each channel, of complex numbers one."""
     phase_unit: Literal["rad", "deg"] = "rad"
     coherence: Column | None = None
     averages: Whole = Field(1, ge=1, description="number of averages of the coherence")
     where: dict[str, str | Number] = Field(default_factory=dict)
+    """Only rows in which columns hold these values; in a text `*` stands for any others, `?` for one."""
     unit: Unit | None = None  # type: ignore[assignment]
+    """Unit of the values, `{ counts_per_turn = }` or `{ torque_constant = }`; default SI."""
     before_gear: bool = False
+    """The value is the motor's own: divided, a torque multiplied, by the joint's gear ratio."""
     scale: Numbers = (1.0,)
     offset: Numbers = (0.0,)
+    """Value becomes scale x value + offset, in `unit`; several have one number a column."""
     sum: bool = False
+    """The columns, each with its scale and offset, are added: of a joint that several motors or joints
+    move."""
     quaternion: Literal["xyzw", "wxyz"] = "xyzw"
+    """Order of the columns of an orientation."""
     mount: Vector3 | None = value_in("rad", "roll, pitch, yaw of the sensor", None)
+    """In the axes of its signal [rad]; columns are the x, y, z of a sensor of three axes then."""
     csv: Dialect = Dialect()
 
     def _problems(self) -> list[tuple[tuple[str, ...], str]]:

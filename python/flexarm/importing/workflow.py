@@ -233,15 +233,7 @@ class _Importer:
             noise_std=table.noise_std,
             jitter_std=table.jitter_std,
             clock="" if static else clock,
-            frame=table.frame,
-            joint=table.joint,
-            point=table.point,
-            link=table.link,
-            payload=table.payload,
-            side=table.side,
-            axes=table.axes,
-            position=table.position,
-            fibre=table.fibre,
+            **table.located,
             file=f"{Path(table.source).stem}.csv",
         )
 

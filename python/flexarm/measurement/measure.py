@@ -159,15 +159,7 @@ def _signal(
         noise_std=noise_std,
         jitter_std=sensor.jitter_std,
         clock=clock,
-        frame=sensor.frame or "base",
-        joint=sensor.joint,
-        point=sensor.point,
-        link=sensor.link,
-        payload=sensor.payload,
-        side=sensor.side,
-        axes=sensor.axes or (),
-        position=sensor.position,
-        fibre=sensor.fibre,
+        **sensor.located,
         time_column=sensor.time,
     )
 

@@ -87,15 +87,7 @@ class _Reader:
             zero_std=None if table.zero_std is None else table.zero_std * factor,
             jitter_std=table.jitter_std,
             clock=table.clock or reference,
-            frame=table.frame,
-            joint=table.joint,
-            point=table.point,
-            link=table.link,
-            payload=table.payload,
-            side=table.side,
-            axes=table.axes,
-            position=table.position,
-            fibre=table.fibre,
+            **table.located,
             channels=table.channels,
             file=table.file,
             time_column=table.time or table.frequency or "",
@@ -110,7 +102,6 @@ class _Reader:
     def _input(self, table: SignalTable, reference: str) -> Signal:
         """Return the input of a frequency response: what and where, without values."""
         channels = table.spec.channels or len(table.axes)
-        where = {key: getattr(table, key) for key in ("joint", "point", "link", "payload", "side", "axes")}
         return Signal(
             name=table.name,
             quantity=table.quantity,
@@ -118,7 +109,7 @@ class _Reader:
             unit=table.si[0],
             frequency=np.empty(0),
             clock=table.clock or reference,
-            **where,
+            **table.located,
         )
 
     def _frequency(self, table: SignalTable) -> Floats:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,31 +23,18 @@ if TYPE_CHECKING:
     from flexarm.residual_analysis.residual_parts import SignalResidual
 
 
-Thing = TypeVar("Thing")
-
-
-def gap_figure(
-    before: Localisation,
-    after: Localisation | None = None,
-    signal: str | None = None,
-    direction: str | None = None,
-    joint: str | None = None,
-) -> Figure:
+def gap_figure(before: Localisation, after: Localisation | None = None, signal: str | None = None) -> Figure:
     """Return the gap of a signal along one direction against the states of a joint and time.
 
     That of another model, of the same records, is drawn over it. The default signal holds most of the squared
     gap before, over the noise; the direction has the greatest gap; the joint's rotation holds most of the
-    gap, or it is the first that moves. Raise InvalidParameter if there is no such signal, direction or joint.
+    gap, or it is the first that moves. Raise InvalidParameter if there is no such signal.
     """
-    rows = _named(before.gaps, signal or _largest(before), "signal")
-    name = direction or largest_direction(rows)
-    _named(rows.directions, name, "direction")
-    states = {each.joint: each for each in rows.states}
-    chosen = _named(states, joint or turned_most(before, rows).joint, "joint")
+    rows = _named(before, signal or _largest(before))
     drawn = [(rows, BEFORE if after else AFTER, "before" if after else "gap")]
     if after is not None:
-        drawn.append((_named(after.gaps, rows.signal, "signal"), AFTER, "after"))
-    return _Sheet(rows, name, chosen, drawn).figure()
+        drawn.append((_named(after, rows.signal), AFTER, "after"))
+    return _Sheet(rows, largest_direction(rows), turned_most(before, rows), drawn).figure()
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +106,7 @@ def _largest(located: Localisation) -> str:
     return max(located.gaps, key=lambda name: float(np.sum(located.gaps[name].whitened ** 2)))
 
 
-def _named(found: Mapping[str, Thing], name: str, kind: str) -> Thing:
-    if name not in found:
-        raise InvalidParameter(f"there is no {kind} {name!r}; there are {', '.join(found)}")
-    return found[name]
+def _named(located: Localisation, signal: str) -> SignalResidual:
+    if signal not in located.gaps:
+        raise InvalidParameter(f"there is no signal {signal!r}; there are {', '.join(located.gaps)}")
+    return located.gaps[signal]
