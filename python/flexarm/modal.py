@@ -93,12 +93,7 @@ class Modes(Result):
                 ),
             },
             {"point": self.points, "joint": self.joints, "component": ["x", "y", "z", "rx", "ry", "rz"]},
-            {
-                "kind": "modes",
-                **provenance(self.arm),
-                **self.solver,
-                "with_gravity": int(self.with_gravity),
-            },
+            {"kind": "modes", **provenance(self.arm), **self.solver, "with_gravity": int(self.with_gravity)},
             {"mode": (("mode",), number, {})},
         )
         return contents if self.sensitivities is None else self.sensitivities.add_to(contents)

@@ -185,10 +185,7 @@ _HEAP = b"GCOL\x01\0\0\0"
 
 
 def require(
-    path: str | Path,
-    data: xr.Dataset,
-    axes: Mapping[str, Sequence[str]],
-    sizes: Mapping[str, int],
+    path: str | Path, data: xr.Dataset, axes: Mapping[str, Sequence[str]], sizes: Mapping[str, int]
 ) -> None:
     """Raise InvalidFile unless variables are there, as real numbers of the right shape.
 

@@ -199,10 +199,7 @@ def _closures(arm: Arm) -> Found:
     joints = {joint.name for joint in arm.joints}
     for i, closure in enumerate(arm.closures):
         if closure.name in joints:
-            yield (
-                ("closures", i, "name"),
-                f"{closure.name!r} is the name of a joint; the two must differ",
-            )
+            yield (("closures", i, "name"), f"{closure.name!r} is the name of a joint; the two must differ")
     moving = {joint.name: None for joint in arm.joints if joint.moves}
     for name in arm.assembly:
         if name not in moving:

@@ -10,14 +10,7 @@ if TYPE_CHECKING:
     from flexarm.arm.effect import Effect
     from flexarm.arm.prior import Prior
 
-SLIDING = {
-    "rad": "m",
-    "rad/s": "m/s",
-    "N m": "N",
-    "N m/rad": "N/m",
-    "N m/rad3": "N/m3",
-    "N m s/rad": "N s/m",
-}
+SLIDING = {"rad": "m", "rad/s": "m/s", "N m": "N", "N m/rad": "N/m", "N m/rad3": "N/m3", "N m s/rad": "N s/m"}
 """Units along a prismatic joint by those about a revolute one."""
 
 

@@ -7,17 +7,7 @@ from typing import Annotated
 
 import typer
 
-from flexarm.cli.options import (
-    AllowOutside,
-    Json,
-    Model,
-    Step,
-    blame,
-    load_arm,
-    refuse_step,
-    show,
-    warn,
-)
+from flexarm.cli.options import AllowOutside, Json, Model, Step, blame, load_arm, refuse_step, show, warn
 
 
 def compare(

@@ -22,8 +22,7 @@ MESHES = (".inp", ".msh", ".vtu", ".bdf", ".nas", ".fem")
 
 def view(
     path: Annotated[
-        Path,
-        typer.Argument(metavar="PATH", help="A model, super-element, result, record or diagnosis."),
+        Path, typer.Argument(metavar="PATH", help="A model, super-element, result, record or diagnosis.")
     ],
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="The page; without it the browser opens.")

@@ -40,7 +40,5 @@ def without_losses(run: Simulation, losses: Mapping[str, float]) -> Simulation:
         lost[1:] += np.cumsum(work)
     damped, given = read_only(run.damped - lost), read_only(run.work - lost)
     return replace(
-        run,
-        motor_torque=read_only(torque),
-        energy_record=replace(run.energies, damped=damped, work=given),
+        run, motor_torque=read_only(torque), energy_record=replace(run.energies, damped=damped, work=given)
     )

@@ -208,7 +208,5 @@ def _finished(
     for name in task.controllers:
         command[:, run.joints.index(name)] = task.drive.joints[name](commanded_at(run.time))
     return replace(
-        run,
-        joint_command=read_only(command),
-        motor_voltage=read_only(grid.held(voltage, len(run.time))),
+        run, joint_command=read_only(command), motor_voltage=read_only(grid.held(voltage, len(run.time)))
     )

@@ -22,11 +22,7 @@ class Loop:
     """
 
     def __init__(
-        self,
-        controller: Callable[[float], Controller],
-        sensing: Sensing,
-        actuator: Actuator,
-        holding: Real,
+        self, controller: Callable[[float], Controller], sensing: Sensing, actuator: Actuator, holding: Real
     ) -> None:
         self.joint = sensing.joint
         self._at = controller

@@ -63,11 +63,6 @@ class JointTiltCompliance(SpringEffect):
         loss = "engineering judgement: 0.1 to 10 % of critical for an arm that swings at a few Hz"
         spring = Prior(5e3, 1e7, self.typical_stiffness, "log", "N m/rad", source)
         damper = Prior(
-            1e-4 * stiffness,
-            1e-2 * stiffness,
-            self.typical_damping * stiffness,
-            "log",
-            "N m s/rad",
-            loss,
+            1e-4 * stiffness, 1e-2 * stiffness, self.typical_damping * stiffness, "log", "N m s/rad", loss
         )
         return {**dict.fromkeys(self.stiffnesses, spring), **dict.fromkeys(self._keyed("damping"), damper)}

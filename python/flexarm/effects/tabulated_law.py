@@ -77,10 +77,7 @@ class TabulatedLaw(Effect):
         if self.of not in ACTS.get(self.quantity, ()):
             known = "; ".join(f"{quantity} of {', '.join(of)}" for quantity, of in ACTS.items())
             key = "of" if self.quantity in ACTS else "quantity"
-            yield (
-                (key,),
-                f"{self.quantity} of {self.of} cannot be simulated; at a joint there are: {known}",
-            )
+            yield ((key,), f"{self.quantity} of {self.of} cannot be simulated; at a joint there are: {known}")
         if self.direction is not None:
             yield (
                 ("direction",),
@@ -89,10 +86,7 @@ class TabulatedLaw(Effect):
         if len(self.x) < 2:
             yield ("x",), f"must be two knots or more, got {len(self.x)}"
         if len(self.value) != len(self.x):
-            yield (
-                ("value",),
-                f"must have as many numbers as x, {len(self.x)}, got {len(self.value)}",
-            )
+            yield (("value",), f"must have as many numbers as x, {len(self.x)}, got {len(self.value)}")
         for before, knot in pairwise(self.x):
             if not knot > before:
                 yield ("x",), f"must rise from knot to knot, got {knot:g} after {before:g}"

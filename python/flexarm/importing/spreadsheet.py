@@ -42,10 +42,7 @@ class Spreadsheet(Source):
         numeric = [2 * sum(_is_value(row[i]) for row in tail) > len(tail) for i in range(count)]
         first = self.dialect.header_rows
         if first is None:
-            first = next(
-                (k for k, row in enumerate(rows) if _fits(row, numeric)),
-                len(rows),
-            )
+            first = next((k for k, row in enumerate(rows) if _fits(row, numeric)), len(rows))
         above = [[str(cell) for cell in row] for row in rows[:first] if any(cell != "" for cell in row)]
         names, units = header_of(above, count, "#")
         names = list(self.dialect.columns) or [*names, *[""] * (count - len(names))]

@@ -31,14 +31,7 @@ if TYPE_CHECKING:
     from flexarm.record import Clock, Frame, Record, Signal
 
 
-@takes(
-    simulation=MOTION,
-    sensors=SENSORS,
-    drive=NAMES,
-    clocks=CLOCKS,
-    frames=FRAMES,
-    description=TEXT,
-)
+@takes(simulation=MOTION, sensors=SENSORS, drive=NAMES, clocks=CLOCKS, frames=FRAMES, description=TEXT)
 def measure(
     simulation: Any,
     sensors: Iterable[Sensor],

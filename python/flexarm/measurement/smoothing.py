@@ -47,10 +47,7 @@ Pieces = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def smooth(
-    time: ArrayLike,
-    values: ArrayLike,
-    noise_std: float,
-    shown: tuple[ArrayLike, ArrayLike] | None = None,
+    time: ArrayLike, values: ArrayLike, noise_std: float, shown: tuple[ArrayLike, ArrayLike] | None = None
 ) -> Pieces:
     """Return a twice continuously differentiable drive through noisy samples.
 

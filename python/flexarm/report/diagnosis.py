@@ -98,12 +98,7 @@ def sketch(d: Diagnosis) -> Figure | None:
 
 def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
     records = [*d.training[:2], *d.held_out[:1]]
-    yield (
-        "states",
-        "where",
-        _of_states(d),
-        against_states(d),
-    )
+    yield ("states", "where", _of_states(d), against_states(d))
     yield (
         "rotations",
         "where",

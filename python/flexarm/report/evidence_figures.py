@@ -75,13 +75,7 @@ def constancy(d: Diagnosis, entries: Sequence[Any]) -> Figure | None:
     heights = [0.2 * (1 + len(entry["values"])) for entry in entries]
     left = margin_for([name for entry in entries for name in entry["values"]])
     figure, axes = sheet(
-        len(entries),
-        1,
-        sum(heights),
-        left=left,
-        between=(0.0, TITLED),
-        legend=False,
-        height_ratios=heights,
+        len(entries), 1, sum(heights), left=left, between=(0.0, TITLED), legend=False, height_ratios=heights
     )
     for ax, entry in zip(axes[:, 0], entries, strict=True):
         draw_constancy(ax, d, entry)

@@ -45,12 +45,9 @@ def headline(diagnosis: Diagnosis) -> str:
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """Return what was found, in one or two sentences, after nominal values that moved far."""
-    told = {
-        "effects": _effects,
-        "adequate": _adequate,
-        "unexplained": _unexplained,
-        "unusable": _unusable,
-    }[diagnosis.verdict](diagnosis)
+    told = {"effects": _effects, "adequate": _adequate, "unexplained": _unexplained, "unusable": _unusable}[
+        diagnosis.verdict
+    ](diagnosis)
     return " ".join(part for part in (moved_sentence(diagnosis), *told) if part)
 
 

@@ -57,14 +57,7 @@ class Claim:
 
 def claims(study: Study) -> list[Claim]:
     """Return all six claims."""
-    makers: tuple[Callable[[Study], Claim], ...] = (
-        agreement,
-        direction,
-        carrier,
-        pure_sine,
-        hinge,
-        outlook,
-    )
+    makers: tuple[Callable[[Study], Claim], ...] = (agreement, direction, carrier, pure_sine, hinge, outlook)
     return [make(study) for make in makers]
 
 

@@ -194,10 +194,4 @@ def _legend(ax: Axes) -> None:
     ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)
 
 
-_DRAWERS = {
-    "04": input_shaft,
-    "07": positions,
-    "08": zoom,
-    "09": error,
-    "10": tangential,
-}
+_DRAWERS = {"04": input_shaft, "07": positions, "08": zoom, "09": error, "10": tangential}

@@ -50,10 +50,7 @@ def join(a: SolidMesh, b: SolidMesh, tolerance: float) -> SolidMesh:
     """Join two meshes; groups and sets of the same name are united."""
     for name in a.materials.keys() & b.materials.keys():
         if a.materials[name] != b.materials[name]:
-            raise InvalidParameter(
-                "has another material in each mesh; rename one",
-                where=f"group {name!r}",
-            )
+            raise InvalidParameter("has another material in each mesh; rename one", where=f"group {name!r}")
     count = {kind: len(nodes) for kind, nodes in a.cells.items()}
     cells = {
         kind: np.concatenate(

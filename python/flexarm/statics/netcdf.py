@@ -41,11 +41,7 @@ _PART_VARIABLES = (
 def contents(found: Statics) -> Contents:
     """Return the contents of the file: the equilibrium with units, and its provenance."""
     parts = {
-        f"{name}_{what}": (
-            (*(f"{name}_{axis}" for axis in axes),),
-            getattr(shape, what),
-            {"units": units},
-        )
+        f"{name}_{what}": ((*(f"{name}_{axis}" for axis in axes),), getattr(shape, what), {"units": units})
         for name, shape in found.parts.items()
         for what, axes, units in _PART_VARIABLES
     }

@@ -15,15 +15,7 @@ if TYPE_CHECKING:
     from flexarm.superelement.element import SuperElement
 
 
-_TOLD = (
-    "backend",
-    "mesh_file",
-    "stiffness_file",
-    "order_of_source",
-    "ignored",
-    "flexarm_version",
-    "created",
-)
+_TOLD = ("backend", "mesh_file", "stiffness_file", "order_of_source", "ignored", "flexarm_version", "created")
 """Facts of the origin."""
 
 

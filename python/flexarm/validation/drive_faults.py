@@ -188,12 +188,7 @@ def refuted_drives(arm: Arm, name: str, record: Record) -> set[str]:
 
 
 def find_drive_fault(
-    arm: Arm,
-    name: str,
-    record: Record,
-    channels: Sequence[ChannelFinding] | None,
-    step: float,
-    alpha: float,
+    arm: Arm, name: str, record: Record, channels: Sequence[ChannelFinding] | None, step: float, alpha: float
 ) -> DriveFault | None:
     """Return the best hypothesis on the drives of a record if it may compete with `channels`, else None.
 

@@ -57,11 +57,7 @@ def _relative_scatter(simulated: SimulatedRecord, placement: Placement, frame: s
 
 
 def simulate_records(
-    arm: Arm,
-    records: Mapping[str, Record],
-    step: float,
-    alpha: float,
-    progress: Progress = None,
+    arm: Arm, records: Mapping[str, Record], step: float, alpha: float, progress: Progress = None
 ) -> tuple[dict[str, SimulatedRecord], dict[str, str], dict[str, str]]:
     """Return simulated records by name, and reasons for those that fail and those with nothing to compare."""
     try:
@@ -91,11 +87,7 @@ def simulate_records(
 
 
 def _simulations(
-    arm: Arm,
-    records: Mapping[str, Record],
-    step: float,
-    alpha: float,
-    progress: Progress = None,
+    arm: Arm, records: Mapping[str, Record], step: float, alpha: float, progress: Progress = None
 ) -> dict[str, Any]:
     """Simulate motions in parallel and poses one after the other."""
     moving = {

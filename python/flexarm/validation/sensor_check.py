@@ -226,12 +226,7 @@ def _prepare(
 
 
 def _judge(
-    arm: Arm,
-    name: str,
-    record: Record,
-    simulated: SimulatedRecord | None,
-    step: float,
-    alpha: float,
+    arm: Arm, name: str, record: Record, simulated: SimulatedRecord | None, step: float, alpha: float
 ) -> RecordFindings:
     """Judge one record: its channels as recorded, or with a drive's fault if that explains more."""
     if simulated is None:

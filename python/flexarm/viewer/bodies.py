@@ -17,18 +17,7 @@ from flexarm.assembly import machine_of
 from flexarm.superelement import SuperElement
 from flexarm.viewer.scene import STYLE, Label, Layer
 from flexarm.viewer.skeleton import Skeleton
-from flexarm.viewer.solids import (
-    Skin,
-    Surface,
-    arrow,
-    ball,
-    beam_skin,
-    box,
-    half_widths,
-    hung,
-    joined,
-    rod,
-)
+from flexarm.viewer.solids import Skin, Surface, arrow, ball, beam_skin, box, half_widths, hung, joined, rod
 from flexarm.wording import number
 
 LAYERS = {

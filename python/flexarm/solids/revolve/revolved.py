@@ -153,12 +153,7 @@ def _levels(plan: Floats, heights: Floats) -> Floats:
 
 
 def _sweep(
-    quads: Ints,
-    column: Ints,
-    n_plan: int,
-    blocks: Sequence[Block],
-    radii: Lines,
-    heights: Lines,
+    quads: Ints, column: Ints, n_plan: int, blocks: Sequence[Block], radii: Lines, heights: Lines
 ) -> tuple[Ints, dict[str, Ints]]:
     """Return the hexahedra of all blocks, and the indices of those of each."""
     cells, groups, count = [], {}, 0

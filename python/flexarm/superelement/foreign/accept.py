@@ -178,11 +178,7 @@ def _modal(K: Floats, M: Floats, held: int) -> tuple[Floats, Floats]:
 
 
 def _aligned(
-    source: str | Path,
-    K: Labelled,
-    M: Labelled,
-    C: Labelled | None,
-    stated: tuple[Freedom, ...] | None,
+    source: str | Path, K: Labelled, M: Labelled, C: Labelled | None, stated: tuple[Freedom, ...] | None
 ) -> tuple[tuple[Freedom, ...], Floats, Floats, Floats | None]:
     """Return all matrices over one order of freedoms."""
     given = [matrix for matrix in (K, M, C) if matrix is not None]
