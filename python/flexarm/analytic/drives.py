@@ -62,9 +62,8 @@ class MotorAngle:
 
     def __post_init__(self) -> None:
         if not self.stiffness > 0:
-            raise InvalidParameter(
-                f"joint stiffness must be positive (inf: rigid), got {self.stiffness} N m/rad"
-            )
+            what = f"joint stiffness must be positive (inf: rigid), got {self.stiffness} N m/rad"
+            raise InvalidParameter(what)
         if not (self.damping >= 0 and math.isfinite(self.damping)):
             raise InvalidParameter(f"joint damping must be zero or positive, got {self.damping} N m s/rad")
 

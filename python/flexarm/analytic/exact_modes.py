@@ -50,9 +50,8 @@ class EndConditions:
     def of(cls, link: FlexibleLink, hub_stiffness: float) -> EndConditions:
         """Scale a link's data; `hub_stiffness` k_r in N m/rad, inf for a clamped hub."""
         if math.isnan(hub_stiffness) or hub_stiffness < 0:
-            raise InvalidParameter(
-                f"hub stiffness must be zero or positive (inf: clamped), got {hub_stiffness} N m/rad"
-            )
+            what = f"hub stiffness must be zero or positive (inf: clamped), got {hub_stiffness} N m/rad"
+            raise InvalidParameter(what)
         inertia = link.beam_mass * link.length**2
         return cls(
             hub_stiffness=hub_stiffness * link.length / link.bending_stiffness,

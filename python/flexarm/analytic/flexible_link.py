@@ -47,9 +47,8 @@ class FlexibleLink:
             positive = item.name in _POSITIVE
             if not math.isfinite(value) or value < 0 or (positive and value == 0):
                 need = "positive" if positive else "zero or positive"
-                raise InvalidParameter(
-                    f"flexible link: {item.name} must be {need}, got {value} {_UNITS[item.name]}"
-                )
+                what = f"flexible link: {item.name} must be {need}, got {value} {_UNITS[item.name]}"
+                raise InvalidParameter(what)
             if wrong := out_of_range(float(value), _UNITS[item.name].replace("²", "2"), size=True):
                 raise InvalidParameter(f"flexible link: {item.name} {wrong}")
 

@@ -105,9 +105,8 @@ def _flexible_link(arm: Arm, beam: Beam) -> FlexibleLink:
             )
     first, second = beam.section.second_moments
     if abs(first - second) > 1e-9 * first:
-        raise InvalidParameter(
-            f"link {beam.name!r}: the modal equations need Iy = Iz, got {first:.4g} and {second:.4g} m4"
-        )
+        what = f"link {beam.name!r}: the modal equations need Iy = Iz, got {first:.4g} and {second:.4g} m4"
+        raise InvalidParameter(what)
     axis = np.array(arm.joints[0].axis) / np.linalg.norm(arm.joints[0].axis)
     return FlexibleLink(
         length=beam.length,

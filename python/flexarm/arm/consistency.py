@@ -67,15 +67,11 @@ def _joint_ends(arm: Arm) -> Found:
             if name not in links:
                 yield ("joints", i, end), missing("link", name, links)
             elif ":" in place and not isinstance(links[name], SuperElementLink):
-                yield (
-                    ("joints", i, end),
-                    f"{place!r}: only a super-element has interfaces, {name!r} is a {links[name].type}",
-                )
+                what = f"{place!r}: only a super-element has interfaces, {name!r} is a {links[name].type}"
+                yield ("joints", i, end), what
             elif ":" not in place and isinstance(links[name], SuperElementLink):
-                yield (
-                    ("joints", i, end),
-                    f"must name an interface of the super-element, as {name}:INTERFACE, got {place!r}",
-                )
+                what = f"must name an interface of the super-element, as {name}:INTERFACE, got {place!r}"
+                yield ("joints", i, end), what
         parent = links.get(link_of(joint.parent))
         if joint.at == "end" and not isinstance(parent, Beam):
             yield ("joints", i, "at"), f'"end" needs a beam as parent, got {joint.parent!r}'
@@ -89,13 +85,11 @@ def _tree(arm: Arm) -> Found:
         if child == link_of(joint.parent):
             yield ("joints", i, "child"), f"joins {child!r} to itself"
         elif child in holder:
-            yield (
-                ("joints", i, "child"),
-                (
-                    f"link {child!r} is already the child of joint {holder[child].name!r}; "
-                    "joints must form a tree; a table [[closures]] closes a loop"
-                ),
+            what = (
+                f"link {child!r} is already the child of joint {holder[child].name!r}; "
+                "joints must form a tree; a table [[closures]] closes a loop"
             )
+            yield ("joints", i, "child"), what
         holder.setdefault(child, joint)
     held: set[str] = set()
     for i, link in enumerate(arm.links):
@@ -131,13 +125,11 @@ def _gears(arm: Arm) -> Found:
                 yield ("gears", i, end), f"joint {name!r} is fixed; a gear couples joints that move"
         output = joints.get(gear.output)
         if output is not None and output.gear_ratio != 1:
-            yield (
-                ("gears", i, "output"),
-                (
-                    f"joint {gear.output!r} has gear_ratio = {output.gear_ratio:g} already; "
-                    "give either the gear or the joint's gear_ratio"
-                ),
+            what = (
+                f"joint {gear.output!r} has gear_ratio = {output.gear_ratio:g} already; "
+                "give either the gear or the joint's gear_ratio"
             )
+            yield ("gears", i, "output"), what
     yield from _coupled_twice(arm)
 
 
@@ -171,10 +163,8 @@ def _attachments(arm: Arm) -> Found:
                 yield (table, i, "link"), missing("link", name, links)
             elif (":" in entry.link) != isinstance(links[name], SuperElementLink):
                 wanted = "LINK:INTERFACE" if isinstance(links[name], SuperElementLink) else "LINK"
-                yield (
-                    (table, i, "link"),
-                    f"must be {wanted} as {name!r} is a {links[name].type}, got {entry.link!r}",
-                )
+                what = f"must be {wanted} as {name!r} is a {links[name].type}, got {entry.link!r}"
+                yield (table, i, "link"), what
 
 
 def _closures(arm: Arm) -> Found:
@@ -192,10 +182,8 @@ def _closures(arm: Arm) -> Found:
             elif at == "end" and not isinstance(links.get(name), Beam):
                 yield ("closures", i, f"{end}_at"), f'"end" needs a beam, got {place!r}'
         if link_of(closure.a) == link_of(closure.b):
-            yield (
-                ("closures", i, "b"),
-                f"is on {link_of(closure.b)!r} as a is; a closure ties two links, or a link and the base",
-            )
+            what = f"is on {link_of(closure.b)!r} as a is; a closure ties two links, or a link and the base"
+            yield ("closures", i, "b"), what
     joints = {joint.name for joint in arm.joints}
     for i, closure in enumerate(arm.closures):
         if closure.name in joints:
@@ -214,10 +202,8 @@ def _sensors(arm: Arm) -> Found:
     }
     for i, sensor in enumerate(arm.sensors):
         if sensor.spec.only_static:
-            yield (
-                ("sensors", i, "quantity"),
-                f"{sensor.quantity} belongs to a record of poses, it is not a sensor",
-            )
+            what = f"{sensor.quantity} belongs to a record of poses, it is not a sensor"
+            yield ("sensors", i, "quantity"), what
         for key, known in names.items():
             name = getattr(sensor, key)
             if name is not None and name not in known:
@@ -237,18 +223,14 @@ def _drives(arm: Arm) -> Found:
         if controller.type != "state_feedback":
             continue
         if controller.joint not in motors:
-            yield (
-                ("controllers", i, "joint"),
-                f"state feedback sets a voltage, but joint {controller.joint!r} has no motor",
-            )
+            what = f"state feedback sets a voltage, but joint {controller.joint!r} has no motor"
+            yield ("controllers", i, "joint"), what
         name = controller.deflection
         if name is not None and name not in sensors:
             yield ("controllers", i, "deflection"), missing("sensor", name, sensors)
         elif name is not None and sensors[name].quantity != "deflection":
-            yield (
-                ("controllers", i, "deflection"),
-                f"sensor {name!r} measures {sensors[name].quantity}, not a deflection",
-            )
+            what = f"sensor {name!r} measures {sensors[name].quantity}, not a deflection"
+            yield ("controllers", i, "deflection"), what
 
 
 def _effects(arm: Arm) -> Found:

@@ -151,17 +151,13 @@ def _parameters(arm: Arm, key: str) -> list[Parameter]:
         owner = path.owner(arm)
         rule = "smooth"
         if isinf(path.get(arm)):
-            raise InvalidParameter(
-                f"{key} was left out and is infinite: there is no derivative by it; give it a value",
-                where="sensitivities",
-            )
+            what = f"{key} was left out and is infinite: there is no derivative by it; give it a value"
+            raise InvalidParameter(what, where="sensitivities")
         if isinstance(owner, Effect):
             rule = owner.derivative(name.split(".", 3)[3])
         if rule == "none":
-            raise InvalidParameter(
-                f"{key} has no derivative: the law jumps with it; change its value in finite steps instead",
-                where="sensitivities",
-            )
+            what = f"{key} has no derivative: the law jumps with it; change its value in finite steps instead"
+            raise InvalidParameter(what, where="sensitivities")
         found.append(Parameter(name, path.get(arm), _unit(arm, path), rule == "one-sided"))
     return found
 
@@ -188,9 +184,8 @@ def _paths(arm: Arm, key: str) -> list[tuple[str, Path]]:
     if size is None and component is not None:
         raise InvalidParameter(f"{key}: {stem} has no components", where="sensitivities")
     if size is None and not isinstance(value, float):
-        raise InvalidParameter(
-            f"{key} = {value!r} is not a real number that can change", where="sensitivities"
-        )
+        what = f"{key} = {value!r} is not a real number that can change"
+        raise InvalidParameter(what, where="sensitivities")
     if size is None:
         return [(stem, Path(place.table, place.index, place.fields, None))]
     names = component_names(type(place.owner).model_fields[place.field], size)

@@ -71,10 +71,8 @@ def part_problems(arm: Arm) -> Iterator[tuple[TablePath, str]]:
         if Path(link.file).is_file():
             interfaces[link.name] = link.part.interfaces
         else:
-            yield (
-                ("links", i, "file"),
-                f"there is no file {link.file}; `flexarm reduce` makes one from a mesh",
-            )
+            what = f"there is no file {link.file}; `flexarm reduce` makes one from a mesh"
+            yield ("links", i, "file"), what
     places = [
         *(
             (("joints", i, end), getattr(joint, end))

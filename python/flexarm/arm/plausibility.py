@@ -51,21 +51,15 @@ def _beam(link: Beam) -> Iterable[Problem]:
             )
     width = max(link.section.second_moments) ** 0.25
     if width > link.length:
-        yield Problem(
-            f"links.{link.name}.end",
-            f"the beam is {link.length:g} m long and about as thick; lengths are in m",
-        )
+        what = f"the beam is {link.length:g} m long and about as thick; lengths are in m"
+        yield Problem(f"links.{link.name}.end", what)
     modulus = link.material.youngs_modulus
     if modulus < 1e6:
-        yield Problem(
-            f"links.{link.name}.material.youngs_modulus",
-            f"is {modulus:g} Pa, softer than rubber; moduli are in Pa (steel 210e9)",
-        )
+        what = f"is {modulus:g} Pa, softer than rubber; moduli are in Pa (steel 210e9)"
+        yield Problem(f"links.{link.name}.material.youngs_modulus", what)
     if 0 < link.material.density < 50:
-        yield Problem(
-            f"links.{link.name}.material.density",
-            f"is {link.material.density:g} kg/m3; densities are in kg/m3 (steel 7850)",
-        )
+        what = f"is {link.material.density:g} kg/m3; densities are in kg/m3 (steel 7850)"
+        yield Problem(f"links.{link.name}.material.density", what)
 
 
 def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:

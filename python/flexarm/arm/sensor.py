@@ -128,9 +128,8 @@ class Measurement(Table):
             ((kind,), f"{self.quantity} is not measured at a {kind}, but at a {needed}") for kind in wrong
         ]
         if not given:
-            found.append(
-                ((self.spec.places[0],), f"is missing; {self.quantity} needs the name of a {needed}")
-            )
+            what = f"is missing; {self.quantity} needs the name of a {needed}"
+            found.append(((self.spec.places[0],), what))
         elif len(given) > 1 and not wrong:
             found.append(((given[1],), f"give either {' or '.join(given)}, not both"))
         return found
@@ -138,12 +137,8 @@ class Measurement(Table):
     def _detail_problems(self) -> list[tuple[tuple[str, ...], str]]:
         found: list[tuple[tuple[str, ...], str]] = []
         if self.side and not self.spec.has_side:
-            found.append(
-                (
-                    ("side",),
-                    f"{self.quantity} has no side; only joint_angle, joint_rate and motor_torque have",
-                )
-            )
+            what = f"{self.quantity} has no side; only joint_angle, joint_rate and motor_torque have"
+            found.append((("side",), what))
         if self.torque_constant is not None and self.quantity != TORQUE:
             what = f"makes a current a torque; {self.quantity} has none, only {CURRENT} has"
             found.append((("torque_constant",), what))
@@ -152,12 +147,8 @@ class Measurement(Table):
         if self.axes and self.spec.channels is not None and not self.spec.one_axis:
             found.append((("axes",), f"{self.quantity} has no axes"))
         if self.quantity == "strain" and (self.position is None or self.fibre is None):
-            found.append(
-                (
-                    ("position" if self.position is None else "fibre",),
-                    "is missing; strain needs position along the link [m] and fibre [y, z] [m]",
-                )
-            )
+            what = "is missing; strain needs position along the link [m] and fibre [y, z] [m]"
+            found.append((("position" if self.position is None else "fibre",), what))
         if self.position is not None and self.link is None:
             found.append((("position",), "belongs to a signal at a link"))
         if self.fibre is not None and self.quantity != "strain":

@@ -87,15 +87,11 @@ def _beam(link: Beam, gravity: float) -> Iterable[Problem]:
             "are length [m], section [m] and material [Pa, kg/m3] in these units?",
         )
     if material.youngs_modulus > stiffest:
-        yield Problem(
-            f"links.{link.name}.material.youngs_modulus",
-            f"is {material.youngs_modulus:g} Pa, stiffer than diamond; moduli are in Pa (steel 210e9)",
-        )
+        what = f"is {material.youngs_modulus:g} Pa, stiffer than diamond; moduli are in Pa (steel 210e9)"
+        yield Problem(f"links.{link.name}.material.youngs_modulus", what)
     if material.density > densest:
-        yield Problem(
-            f"links.{link.name}.material.density",
-            f"is {material.density:g} kg/m3, denser than any metal; densities are in kg/m3 (steel 7850)",
-        )
+        what = f"is {material.density:g} kg/m3, denser than any metal; densities are in kg/m3 (steel 7850)"
+        yield Problem(f"links.{link.name}.material.density", what)
 
 
 def mass_of_links(arm: Arm) -> float | None:
@@ -111,10 +107,8 @@ def _payloads(arm: Arm) -> Iterable[Problem]:
     own = mass_of_links(arm)
     for load in arm.payloads:
         if own and load.mass > HEAVIEST * own:
-            yield Problem(
-                f"payloads.{load.name}.mass",
-                f"is {load.mass:g} kg, {load.mass / own:.2g} times the mass of all links; masses are in kg",
-            )
+            what = f"is {load.mass:g} kg, {load.mass / own:.2g} times the mass of all links; masses are in kg"
+            yield Problem(f"payloads.{load.name}.mass", what)
         radius = sqrt(max(load.inertia[:3]) / load.mass) if load.mass > 0 else 0.0
         if radius > max(widest * reach(arm), small):
             yield Problem(

@@ -180,11 +180,8 @@ class _Reader:
             table["axis"] = self.numbers(joint.find("axis"), "xyz", "1 0 0", f"joints.{name}")
         offset = self.mimic(joint)[2]
         if offset != 0 and kind != "prismatic":
-            raise InvalidFile(
-                self.path,
-                f"joints.{name}.mimic.offset",
-                f"is known for prismatic joints only, got {offset:g}",
-            )
+            what = f"is known for prismatic joints only, got {offset:g}"
+            raise InvalidFile(self.path, f"joints.{name}.mimic.offset", what)
         if offset != 0 and any(table["axis"]):
             x, y, z = table["axis"]
             roll, pitch, yaw = table["origin"]["rpy"]

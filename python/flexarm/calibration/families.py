@@ -106,10 +106,8 @@ def _kind(name: str) -> type[Effect]:
         raise InvalidParameter(str(error), where="families") from None
     if not kind.competes:
         allowed = ", ".join(each for each in KNOWN_EFFECTS if effect_class(each).competes)
-        raise InvalidParameter(
-            f"{name!r} is a fault of a sensor and cannot be calibrated; allowed are {allowed}",
-            where="families",
-        )
+        what = f"{name!r} is a fault of a sensor and cannot be calibrated; allowed are {allowed}"
+        raise InvalidParameter(what, where="families")
     return kind
 
 

@@ -78,9 +78,8 @@ class Campaign:
         folder = Path(directory)
         record = _read_record(folder / STUDY)
         if not (folder / RESULTS).is_file():
-            raise InvalidFile(
-                folder, "results.nc", "is not there: the campaign is not finished; --resume goes on"
-            )
+            what = "is not there: the campaign is not finished; --resume goes on"
+            raise InvalidFile(folder, "results.nc", what)
         return cls(folder, record)
 
     @property

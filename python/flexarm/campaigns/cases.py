@@ -56,9 +56,8 @@ def _record_cases(study: Study, folder: Path) -> tuple[tuple[Case, ...], Found]:
     ]:
         if unknown := set(_WORD.findall(pattern)) - words:
             known = ", ".join(sorted(words)) or "none"
-            found.append(
-                (place, f"has {{{min(unknown)}}}, which the first of records has not; it has {known}")
-            )
+            what = f"has {{{min(unknown)}}}, which the first of records has not; it has {known}"
+            found.append((place, what))
         elif not words and not (folder / pattern).exists():
             found.append((place, _nothing(folder, pattern)))
     there = matches(folder, study.records[0])

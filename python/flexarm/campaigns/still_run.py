@@ -125,9 +125,8 @@ def modes_run(study: Study, arm: Arm) -> Prepared:
             continue
         if keep.place:
             kind = "joint" if keep.joint else "point" if keep.point else "link"
-            found.append(
-                (("keep", i, kind), f"does not belong to {keep.quantity}, which is of the whole arm")
-            )
+            what = f"does not belong to {keep.quantity}, which is of the whole arm"
+            found.append((("keep", i, kind), what))
         variables.append(
             Variable(
                 keep.variable,

@@ -127,6 +127,5 @@ def refuse_gaps(file: Path, n: int, done: set[int]) -> None:
     Raise InvalidFile if there are samples that the study has not.
     """
     if done and max(done) >= n:
-        raise InvalidFile(
-            file, "sample", f"there is {max(done)}, and the study has {n}; remove the directory"
-        )
+        what = f"there is {max(done)}, and the study has {n}; remove the directory"
+        raise InvalidFile(file, "sample", what)

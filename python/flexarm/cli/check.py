@@ -92,9 +92,8 @@ def _reader(path: Path) -> Callable[[Path], Told]:
     if path.is_dir() or path.name == "record.toml":
         return _record
     if path.suffix in _MESHES:
-        raise InvalidFile(
-            path, "path", "is a mesh, no model; `flexarm reduce` checks it and makes it a super-element"
-        )
+        what = "is a mesh, no model; `flexarm reduce` checks it and makes it a super-element"
+        raise InvalidFile(path, "path", what)
     return _superelement if path.suffix == ".nc" else _model
 
 

@@ -49,9 +49,8 @@ def import_logs(
     if model is not None:
         raise InvalidFile("command line", "--model", "belongs to --guess; a map names its model itself")
     if len(paths) > 1:
-        raise InvalidFile(
-            "command line", "MAP", f"must be one map, got {len(paths)} files; --guess takes many"
-        )
+        what = f"must be one map, got {len(paths)} files; --guess takes many"
+        raise InvalidFile("command line", "MAP", what)
     _import(paths[0], out, force)
 
 

@@ -115,11 +115,8 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
         name, equals, number = text.partition("=")
         name = name.strip()
         if not equals or not _is_finite(number):
-            raise InvalidFile(
-                "command line",
-                "--joint",
-                f"must be NAME=RAD such as {joints[0] if joints else 'hinge'}=0.5, got {text!r}",
-            )
+            what = f"must be NAME=RAD such as {joints[0] if joints else 'hinge'}=0.5, got {text!r}"
+            raise InvalidFile("command line", "--joint", what)
         if name not in joints:
             from flexarm.arm.consistency import missing
 

@@ -29,9 +29,8 @@ def record_names(paths: list[Path]) -> dict[str, Path]:
     places = [(path.parent if path.name == "record.toml" else path).resolve() for path in paths]
     for i, place in enumerate(places):
         if place in places[:i]:
-            raise InvalidFile(
-                paths[i], "RECORD", "is given twice; a record counts once, or is held out and not fitted to"
-            )
+            what = "is given twice; a record counts once, or is held out and not fitted to"
+            raise InvalidFile(paths[i], "RECORD", what)
     parts = 1
     while len({place.parts[-parts:] for place in places}) < len(places):
         parts += 1

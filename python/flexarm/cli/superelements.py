@@ -61,9 +61,8 @@ def reduced(
     pairs = read_interfaces(interface, _FORM)
     if not pairs:
         known = ", ".join(solid.point_sets) or "none"
-        raise InvalidFile(
-            "command line", "--interface", f"is needed, NAME=SET; the mesh has the sets {known}"
-        )
+        what = f"is needed, NAME=SET; the mesh has the sets {known}"
+        raise InvalidFile("command line", "--interface", what)
     with blame(file), progress() as tell:
         return reduce_mesh(
             solid,

@@ -95,9 +95,8 @@ def _view(
         with blame(beside, path):
             return View(of_record(arm, measured, urdf=_urdf(beside), **times))
     if path.suffix in MESHES:
-        raise InvalidFile(
-            path, "path", "is a mesh; `flexarm reduce` makes it a super-element, which is shown"
-        )
+        what = "is a mesh; `flexarm reduce` makes it a super-element, which is shown"
+        raise InvalidFile(path, "path", what)
     if path.suffix == ".nc":
         return _of_part(path, mesh) if _kind(path) == "part" else _of_result(path, record, times)
     arm = load_arm(path)

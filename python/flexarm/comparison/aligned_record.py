@@ -73,18 +73,16 @@ def simulate_record(
 ) -> AlignedRecord:
     """Simulate a record and align it; parameters and errors as of `compare`."""
     if not isinstance(record, Record):
-        raise InvalidParameter(
-            f"must be a Record, such as Record.load gives, got {type(record).__name__}", where="record"
-        )
+        what = f"must be a Record, such as Record.load gives, got {type(record).__name__}"
+        raise InvalidParameter(what, where="record")
     if record.kind == "frequency_response":
         what = "is a frequency response, which no simulation repeats; flexarm.compare_responses takes it"
         raise InvalidParameter(what, where="kind")
     pair = _simulated(record.applied_to(arm), record, simulation, step, alpha)
     if not pair.evidence:
         reasons = "; ".join(f"{name}: {why}" for name, why in pair.skipped.items())
-        raise InvalidParameter(
-            f"holds nothing to compare with a simulation ({reasons or 'only drives'})", where="signals"
-        )
+        what = f"holds nothing to compare with a simulation ({reasons or 'only drives'})"
+        raise InvalidParameter(what, where="signals")
     start = stated_placement(record)
     return AlignedRecord(pair, align_to(pair, initial_guess(pair, start)) if align else Alignment(start))
 

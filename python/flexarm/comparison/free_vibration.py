@@ -63,10 +63,8 @@ def simulate_free_vibration(arm: Arm, record: Record, step: float) -> StateSnaps
     placement = stated_placement(record)
     seen = [_Channels.of(pair, signal, placement, motion) for signal in _usable(pair)]
     if not seen or not len(motion.A):
-        raise InvalidParameter(
-            "shows no free vibration: needed is a signal of a known clock and frame at a place that swings",
-            where="signals",
-        )
+        what = "shows no free vibration: needed is a signal of a known clock and frame at a place that swings"
+        raise InvalidParameter(what, where="signals")
     hats = _Hats.over(drive.start, drive.end, _dominant_frequency(seen))
     free = _states_within_reach(motion, max(each.nyquist for each in seen))
     return motion.along(hats.states(motion, _amplitudes(motion, hats, free, seen), time), time)

@@ -258,10 +258,8 @@ def _response(arm: Arm, record: Record, signal: Signal, frequency: Floats) -> Co
 def _sensor(signal: Signal) -> Sensor:
     """Return what reads the output of the linear model; positions along the base's axes."""
     if signal.quantity == "orientation":
-        raise InvalidParameter(
-            "is an orientation, of which the linear model tells no response; take angular_rate",
-            where=f"signals.{signal.name}.quantity",
-        )
+        what = "is an orientation, of which the linear model tells no response; take angular_rate"
+        raise InvalidParameter(what, where=f"signals.{signal.name}.quantity")
     table: dict[str, Any] = {
         "name": signal.name,
         "quantity": signal.quantity,

@@ -107,10 +107,8 @@ def simulate_closed_loop(
     options.record_energies, options.record_forces, options.record_rotations = True, forces, rotations
     wanted = parameters(arm, sensitivities)
     if wanted and schedule:
-        raise InvalidParameter(
-            "a run whose gains change by a schedule has no derivatives; leave one of the two out",
-            where="sensitivities",
-        )
+        what = "a run whose gains change by a schedule has no derivatives; leave one of the two out"
+        raise InvalidParameter(what, where="sensitivities")
     began = perf_counter()
     if wanted:
         found = _differentiated(task, wanted, record, grid, options, progress)

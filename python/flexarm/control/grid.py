@@ -53,8 +53,6 @@ class SampleGrid:
 def _multiple(controller: Controller, tick: float) -> int:
     ratio = controller.sample_time / tick
     if not isclose(ratio, round(ratio), rel_tol=1e-9):
-        raise InvalidParameter(
-            f"must be a multiple of the shortest sample time, {tick:g} s, got {controller.sample_time:g} s",
-            where=f"controllers.{controller.joint}.sample_time",
-        )
+        what = f"must be a multiple of the shortest sample time, {tick:g} s, got {controller.sample_time:g} s"
+        raise InvalidParameter(what, where=f"controllers.{controller.joint}.sample_time")
     return round(ratio)

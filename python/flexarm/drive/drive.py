@@ -154,9 +154,8 @@ def samples_in(path: str | Path, arm: Arm) -> tuple[Floats, dict[str, Floats]]:
     names = [name for name in table.header if name != "time_s"]
     for name in names:
         if name not in moving:
-            raise InvalidFile(
-                path, f"column {name}", f"is no moving joint of the model; there are {', '.join(moving)}"
-            )
+            what = f"is no moving joint of the model; there are {', '.join(moving)}"
+            raise InvalidFile(path, f"column {name}", what)
     if not names:
         raise InvalidFile(path, "header", f"drives no joint; add a column named {' or '.join(moving)}")
     rows = table.numbers(["time_s", *names])

@@ -126,8 +126,7 @@ def _true_samples(signal: Signal, arm: Arm, start: float) -> _Samples:
         good &= ~drive_outliers(reading, noise, off)
     if not good.any():
         names = ", ".join(effect.name for effect in (*seen.before, *seen.after)) or "drop-outs"
-        raise InvalidParameter(
-            f"signal {signal.name!r} cannot drive: {names} leave no value of it", where="drive"
-        )
+        what = f"signal {signal.name!r} cannot drive: {names} leave no value of it"
+        raise InvalidParameter(what, where="drive")
     time = true_time(signal, arm, start)
     return _Samples(time[good], true[good], signal.time[good], reading[good], noise)

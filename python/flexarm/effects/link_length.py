@@ -36,13 +36,11 @@ class LinkLength(Effect):
         """Only a beam has a length, and it stays positive."""
         link = arm.link(self.at)
         if not isinstance(link, Beam):
-            yield (
-                "at",
-                (
-                    f"{self.at!r} is a {link.type} link and has no length; "
-                    "what hangs on it stands where joints and positions say"
-                ),
+            what = (
+                f"{self.at!r} is a {link.type} link and has no length; "
+                "what hangs on it stands where joints and positions say"
             )
+            yield "at", what
         elif link.length + self.error <= 0:
             yield "error", f"must leave a length of {self.at!r}, {link.length:g} m long, got {self.error:g} m"
 

@@ -30,10 +30,8 @@ class LinkStiffness(Effect):
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
         """Return problems: a rigid link does not bend."""
         if arm.link(self.at).type == "rigid":
-            yield (
-                "at",
-                f"{self.at!r} is rigid and does not bend; make it a beam, or give its joint a compliance",
-            )
+            what = f"{self.at!r} is rigid and does not bend; make it a beam, or give its joint a compliance"
+            yield "at", what
 
     def patch(self, machine: Machine) -> None:
         """Another stiffness, eq. (1)."""

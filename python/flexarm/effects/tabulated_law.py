@@ -79,10 +79,8 @@ class TabulatedLaw(Effect):
             key = "of" if self.quantity in ACTS else "quantity"
             yield ((key,), f"{self.quantity} of {self.of} cannot be simulated; at a joint there are: {known}")
         if self.direction is not None:
-            yield (
-                ("direction",),
-                f"must be left out at a joint, which has one direction, got {self.direction!r}",
-            )
+            what = f"must be left out at a joint, which has one direction, got {self.direction!r}"
+            yield ("direction",), what
         if len(self.x) < 2:
             yield ("x",), f"must be two knots or more, got {len(self.x)}"
         if len(self.value) != len(self.x):

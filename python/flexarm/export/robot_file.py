@@ -158,9 +158,8 @@ def refuse_no_joint(path: Path, wanted: list[str], there: list[str], written: in
     """
     if written == 0:
         names = ", ".join(there) or "none"
-        raise InvalidFile(
-            path, "joints", f"must have a joint of the model ({', '.join(wanted)}), got {names}"
-        )
+        what = f"must have a joint of the model ({', '.join(wanted)}), got {names}"
+        raise InvalidFile(path, "joints", what)
 
 
 def number(value: float) -> str:

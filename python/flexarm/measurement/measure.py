@@ -176,9 +176,7 @@ def _instants(simulation: Any, sensor: Sensor, rng: np.random.Generator) -> tupl
             f"after the end of a run of {last - first:g} s"
         )
     if count > MOST_STEPS:
-        raise InvalidParameter(
-            f"makes {count:.3g} samples of {last - first:g} s; allowed are {MOST_STEPS:.3g}",
-            where=f"sensors.{sensor.name}.rate_hz",
-        )
+        what = f"makes {count:.3g} samples of {last - first:g} s; allowed are {MOST_STEPS:.3g}"
+        raise InvalidParameter(what, where=f"sensors.{sensor.name}.rate_hz")
     planned = first + sensor.start + np.arange(count) / sensor.rate_hz
     return planned, np.clip(planned + sensor.jitter_std * rng.standard_normal(count), first, last)  # eq. (1)

@@ -49,9 +49,8 @@ class SolidHinge:
         """
         for name, factor in factors.items():
             if name not in self.parts:
-                raise InvalidParameter(
-                    f"must be one of {', '.join(self.parts)}, got {name!r}", where="factors"
-                )
+                what = f"must be one of {', '.join(self.parts)}, got {name!r}"
+                raise InvalidParameter(what, where="factors")
             if not factor > 0:
                 raise InvalidParameter(f"must be positive, got {factor:g}", where=f"factor of {name}")
         folder.mkdir(parents=True, exist_ok=True)

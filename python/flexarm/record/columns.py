@@ -150,11 +150,8 @@ class CsvFile:
         for number, line in islice(self._content(), 1, None):
             cells = self._cells(line)
             if len(cells) != len(self.header):
-                raise InvalidFile(
-                    self.file,
-                    f"line {number}",
-                    f"has {len(cells)} cells, the header has {len(self.header)}: {line[:60]!r}",
-                )
+                what = f"has {len(cells)} cells, the header has {len(self.header)}: {line[:60]!r}"
+                raise InvalidFile(self.file, f"line {number}", what)
             yield number, cells
 
     def _number(self, line: int, row: list[str], column: int) -> float:
@@ -169,11 +166,8 @@ class CsvFile:
             raise self._bad_cell(line, column, repr(cell[:40])) from None
 
     def _bad_cell(self, line: int, column: int, got: str) -> InvalidFile:
-        return InvalidFile(
-            self.file,
-            f"line {line}, column {self.header[column]}",
-            f"must be a number, got {got}; a drop-out is an empty cell or nan",
-        )
+        what = f"must be a number, got {got}; a drop-out is an empty cell or nan"
+        return InvalidFile(self.file, f"line {line}, column {self.header[column]}", what)
 
 
 def _is_file(path: Path) -> bool:

@@ -41,10 +41,8 @@ def _names(record: Any) -> Found:
 
 def _clocks_and_frames(record: Any) -> Found:
     if record.clocks and next(iter(record.clocks.values())).unknown:
-        yield (
-            ("clocks", next(iter(record.clocks))),
-            "is the reference, the first clock, and cannot be unknown",
-        )
+        what = "is the reference, the first clock, and cannot be unknown"
+        yield ("clocks", next(iter(record.clocks))), what
     for i, signal in enumerate(record.signals):
         if signal.clock is not None and signal.clock not in record.clocks:
             yield ("signals", i, "clock"), missing("clock", signal.clock, record.clocks)
@@ -80,23 +78,17 @@ def _stamps(record: RecordTable) -> Found:
             yield ("signals", i, needed), f"is missing; needed is the name of the column of {plural}"
         for unwanted in STAMPS.values():
             if unwanted != needed and getattr(signal, unwanted) is not None:
-                yield (
-                    ("signals", i, unwanted),
-                    f"does not belong to a record of kind {record.kind!r}; use {needed}",
-                )
+                what = f"does not belong to a record of kind {record.kind!r}; use {needed}"
+                yield ("signals", i, unwanted), what
         if signal.spec.only_static and not static:
-            yield (
-                ("signals", i, "quantity"),
-                (
-                    f'{signal.quantity} belongs to records of kind "static"; '
-                    "what a run carried stands in [payloads]"
-                ),
+            what = (
+                f'{signal.quantity} belongs to records of kind "static"; '
+                "what a run carried stands in [payloads]"
             )
+            yield ("signals", i, "quantity"), what
         if factor_to("s", signal.time_unit) is None:
-            yield (
-                ("signals", i, "time_unit"),
-                f"unit {signal.time_unit!r} does not fit; allowed are s, ms, us, ns, min",
-            )
+            what = f"unit {signal.time_unit!r} does not fit; allowed are s, ms, us, ns, min"
+            yield ("signals", i, "time_unit"), what
 
 
 INPUTS = ("force", "motor_torque", "joint_angle")
@@ -125,10 +117,8 @@ def responses(record: Any) -> Found:
             continue
         to = signals.get(signal.input)
         if not ringing:
-            yield (
-                ("signals", i, "input"),
-                f"belongs to a record of kind 'frequency_response', not {record.kind!r}",
-            )
+            what = f"belongs to a record of kind 'frequency_response', not {record.kind!r}"
+            yield ("signals", i, "input"), what
         elif to is None:
             others = [name for name in signals if name != signal.name]
             yield ("signals", i, "input"), missing("signal", signal.input, others)
@@ -155,14 +145,10 @@ def _drive(record: Any) -> Found:
         if signal.quantity not in DRIVES:
             yield ("drive",), f"signal {name!r} is a {signal.quantity}; a drive is one of {', '.join(DRIVES)}"
         elif signal.joint in driven:
-            yield (
-                ("drive",),
-                f"signals {driven[signal.joint]!r} and {name!r} both drive joint {signal.joint!r}",
-            )
+            what = f"signals {driven[signal.joint]!r} and {name!r} both drive joint {signal.joint!r}"
+            yield ("drive",), what
         driven[signal.joint] = name
     for joint in record.joints:
         if joint in driven:
-            yield (
-                ("joints", joint),
-                f"is driven by signal {driven[joint]!r} and cannot stand at a fixed value",
-            )
+            what = f"is driven by signal {driven[joint]!r} and cannot stand at a fixed value"
+            yield ("joints", joint), what

@@ -31,9 +31,8 @@ def stored(path: Path, allow_outside: bool = False) -> dict[str, Any]:
     if path.is_dir() and not _exists(toml) and (kind := foreign_kind(path)):
         raise InvalidFile(path, "record", kind)
     if not _exists(toml) and toml.name != "record.toml":
-        raise InvalidFile(
-            path, "record", "there is no such directory; a record is a directory with record.toml"
-        )
+        what = "there is no such directory; a record is a directory with record.toml"
+        raise InvalidFile(path, "record", what)
     data, text = read_toml(toml, "flexarm-record/1")
     table = check_table(RecordTable, data, toml, text)
     reader = _Reader(toml, table, text, allow_outside or OUTSIDE.get())
@@ -120,11 +119,8 @@ class _Reader:
         wrong = np.flatnonzero(~(steps > 0) | ~(found >= 0))
         if len(wrong):
             row = int(wrong[0])
-            raise InvalidFile(
-                csv.file,
-                f"line {csv.line(row)}, column {table.frequency}",
-                f"frequencies must be at least 0 and rise, got {found[row]:.9g}",
-            )
+            what = f"frequencies must be at least 0 and rise, got {found[row]:.9g}"
+            raise InvalidFile(csv.file, f"line {csv.line(row)}, column {table.frequency}", what)
         return found
 
     def _check_columns(self, i: int, table: SignalTable) -> None:
@@ -136,9 +132,8 @@ class _Reader:
                 raise self._error(i, table, "file", what)
             if not _exists(path):
                 others = ", ".join(sorted(p.name for p in self.toml.parent.glob("*.csv")))
-                raise self._error(
-                    i, table, "file", f"there is no file {table.file!r}; there are {others or 'none'}"
-                )
+                what = f"there is no file {table.file!r}; there are {others or 'none'}"
+                raise self._error(i, table, "file", what)
             self._files[table.file] = CsvFile(path)
         header = self._files[table.file].header
         stamp = STAMPS[self.table.kind]
@@ -195,33 +190,25 @@ class _Reader:
         csv = self._files[table.file]
         empty = np.flatnonzero(np.isnan(stamps))
         if len(empty):
-            raise InvalidFile(
-                csv.file,
-                f"line {csv.line(int(empty[0]))}, column {table.time}",
-                "a row needs a time, got none",
-            )
+            what = f"line {csv.line(int(empty[0]))}, column {table.time}"
+            raise InvalidFile(csv.file, what, "a row needs a time, got none")
         falls = np.flatnonzero(np.diff(stamps) < range_of("s")[0] / factor)
         if len(falls):
             row = int(falls[0]) + 1
             rise = stamps[row] - stamps[row - 1]
             kind = "repeats" if rise == 0 else "goes back behind" if rise < 0 else "all but repeats"
-            raise InvalidFile(
-                csv.file,
-                f"line {csv.line(row)}, column {table.time}",
-                f"{stamps[row]:.9g} {kind} {stamps[row - 1]:.9g} of line {csv.line(row - 1)}; "
-                "times must rise",
+            what = (
+                f"{stamps[row]:.9g} {kind} {stamps[row - 1]:.9g} of line {csv.line(row - 1)}; times must rise"
             )
+            raise InvalidFile(csv.file, f"line {csv.line(row)}, column {table.time}", what)
 
     def _pose(self, table: SignalTable) -> NDArray[np.str_]:
         assert table.pose is not None
         csv = self._files[table.file]
         poses = csv.texts(table.pose)
         if "" in poses:
-            raise InvalidFile(
-                csv.file,
-                f"line {csv.line(poses.index(''))}, column {table.pose}",
-                "a row needs a pose, got none",
-            )
+            what = f"line {csv.line(poses.index(''))}, column {table.pose}"
+            raise InvalidFile(csv.file, what, "a row needs a pose, got none")
         return np.array([canonical_pose(pose) for pose in poses])
 
     def _compare_suffix(self, table: SignalTable) -> None:
@@ -234,12 +221,8 @@ class _Reader:
             wanted = _SUFFIXES.get(suffix)
             other = suffix == "m" and factor_to("m", unit) is None  # such as N_m, of another kind
             if wanted and unit not in wanted and not other:
-                self.notes.append(
-                    Problem(
-                        f"signals.{table.name}",
-                        f"column {column!r} ends in {suffix!r}, but its unit is {unit!r}",
-                    )
-                )
+                what = f"column {column!r} ends in {suffix!r}, but its unit is {unit!r}"
+                self.notes.append(Problem(f"signals.{table.name}", what))
 
 
 _SUFFIXES = {

@@ -116,10 +116,8 @@ class Signal:
 
     def __post_init__(self) -> None:
         if self.quantity not in QUANTITIES:
-            raise InvalidParameter(
-                f"unknown quantity {self.quantity!r}; known are {', '.join(QUANTITIES)}",
-                where=f"signals.{self.name}.quantity",
-            )
+            what = f"unknown quantity {self.quantity!r}; known are {', '.join(QUANTITIES)}"
+            raise InvalidParameter(what, where=f"signals.{self.name}.quantity")
         values = np.array(self.values, dtype=float)
         values = values[:, None] if values.ndim == 1 else values
         time = np.array([] if self.time is None else self.time, dtype=float)
@@ -144,16 +142,12 @@ class Signal:
         stamps = self.pose if self.pose is not None else self.time
         stamps = stamps if self.frequency is None else self.frequency
         if self.values.ndim != 2 or stamps.shape != (len(self.values),):
-            raise InvalidParameter(
-                f"values of shape {self.values.shape} do not fit {stamps.shape} stamps",
-                where=f"signals.{self.name}",
-            )
+            what = f"values of shape {self.values.shape} do not fit {stamps.shape} stamps"
+            raise InvalidParameter(what, where=f"signals.{self.name}")
         wanted = (self.spec.channels or len(self.axes)) * (2 if self.input else 1)
         if self.values.shape[1] != wanted:
-            raise InvalidParameter(
-                f"has {self.values.shape[1]} channels; {self.quantity} needs {wanted}",
-                where=f"signals.{self.name}",
-            )
+            what = f"has {self.values.shape[1]} channels; {self.quantity} needs {wanted}"
+            raise InvalidParameter(what, where=f"signals.{self.name}")
         rises = np.diff(self.time)
         if not np.all(np.isfinite(self.time)) or np.any(rises <= 0):
             raise InvalidParameter("stamps must be finite and rise", where=f"signals.{self.name}.time")
@@ -165,9 +159,8 @@ class Signal:
         rounding = 1e-6  # part by which a coherence may exceed 1
         where = f"signals.{self.name}"
         if not np.all(np.isfinite(frequency)) or np.any(frequency < 0) or np.any(np.diff(frequency) <= 0):
-            raise InvalidParameter(
-                "frequencies must be finite, at least 0 and rise", where=f"{where}.frequency"
-            )
+            what = "frequencies must be finite, at least 0 and rise"
+            raise InvalidParameter(what, where=f"{where}.frequency")
         if self.coherence is not None and (
             self.coherence.shape != frequency.shape
             or np.any((self.coherence < 0) | (self.coherence > 1 + rounding))
@@ -193,10 +186,8 @@ class Signal:
                 wrong = wrong or f"must be at least 0, got {sigma:g}"
                 raise InvalidParameter(wrong, where=f"signals.{self.name}.{name}")
         if self.zero_std is not None and self.quantity in FRAMED:
-            raise InvalidParameter(
-                f"does not go with {self.quantity}, whose zero is that of its frame; state [frames]",
-                where=f"signals.{self.name}.zero_std",
-            )
+            what = f"does not go with {self.quantity}, whose zero is that of its frame; state [frames]"
+            raise InvalidParameter(what, where=f"signals.{self.name}.zero_std")
 
     @property
     def spec(self) -> Quantity:

@@ -61,13 +61,11 @@ def page(found: Calibration, drawings: list[Drawing]) -> str:
 
 def _figures(found: Calibration) -> Iterator[tuple[str, str, str, Figure | None]]:
     for name, figure in members(found):
-        yield (
-            name,
-            "families",
+        what = (
             "Members with 90 % intervals; the line is the shared size, the band its 90 % interval. Grey: the "
-            "data hardly know the member, which stays near the others.",
-            figure,
+            "data hardly know the member, which stays near the others."
         )
+        yield name, "families", what, figure
     shown = [name for name in (*found.held_out, *found.training) if sides(found, name)]
     for record, stem in zip(shown, stems(shown), strict=True):
         role = "held out, never used to fit" if record in found.held_out else "training"
@@ -77,12 +75,8 @@ def _figures(found: Calibration) -> Iterator[tuple[str, str, str, Figure | None]
             f"Record {record} ({role}): gap of {found.main_signal} before and after, and the noise.",
             gap_along(found, record),
         )
-    yield (
-        "correlations",
-        "correlations",
-        "Correlations of the parameters that the data determine, in the order of the table.",
-        correlations(found),
-    )
+    what = "Correlations of the parameters that the data determine, in the order of the table."
+    yield "correlations", "correlations", what, correlations(found)
 
 
 UNKNOWN = "#999999"

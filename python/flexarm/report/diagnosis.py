@@ -51,36 +51,26 @@ def drawings(d: Diagnosis) -> list[Drawing]:
 def _figures(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
     if d.has_gap:
         yield from _of_gap(d)
-    yield (
-        "laws",
-        "laws",
+    what = (
         "What is missing: the curve with its 90 % band, and the latent motion that no curve was assumed for "
-        "(dots), of the most probable place and the next one.",
-        laws(d),
+        "(dots), of the most probable place and the next one."
     )
-    yield (
-        "candidates",
-        "candidates",
+    yield "laws", "laws", what, laws(d)
+    what = (
         "What was tried. The evidence that a candidate lacks against what was chosen (blue, 0); light blue: "
-        "the data cannot tell it apart; grey: out of reach, right of the dashed line.",
-        candidates(d),
+        "the data cannot tell it apart; grey: out of reach, right of the dashed line."
     )
-    yield (
-        "constancy",
-        "constancy",
+    yield "candidates", "candidates", what, candidates(d)
+    what = (
         "Each parameter fitted to one record alone (bars: 90 %), beside the value of all records together "
-        "(line; band: 90 %). A right name's parameter stays where it is.",
-        constancy(d, d.constancy),
+        "(line; band: 90 %). A right name's parameter stays where it is."
     )
+    yield "constancy", "constancy", what, constancy(d, d.constancy)
     for effect in d.effects:
         for file in d.figures_of(effect):
             yield file.removesuffix(".png"), "effects", "", of_effect(d, effect)
-    yield (
-        "arm",
-        "conditions",
-        "The nominal arm without its bending, each driven joint in the middle of its range.",
-        sketch(d),
-    )
+    what = "The nominal arm without its bending, each driven joint in the middle of its range."
+    yield "arm", "conditions", what, sketch(d)
 
 
 def sketch(d: Diagnosis) -> Figure | None:
@@ -99,25 +89,15 @@ def sketch(d: Diagnosis) -> Figure | None:
 def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
     records = [*d.training[:2], *d.held_out[:1]]
     yield ("states", "where", _of_states(d), against_states(d))
-    yield (
-        "rotations",
-        "where",
+    what = (
         "The gap of all positions as small rotations of the joints, of the nominal model, each against its "
-        "own states: the joint where the cause sits, if it sits in one.",
-        rotations(d),
+        "own states: the joint where the cause sits, if it sits in one."
     )
-    yield (
-        "bands",
-        "where",
-        f"The gap of {d.main_signal} by band of frequencies: quasi-static, around the first mode, above.",
-        by_band(d, records),
-    )
-    yield (
-        "stages",
-        "shrinks",
-        f"From the nominal to the updated model: rms gap of {d.main_signal}, all directions, at each step.",
-        waterfall(d),
-    )
+    yield "rotations", "where", what, rotations(d)
+    what = f"The gap of {d.main_signal} by band of frequencies: quasi-static, around the first mode, above."
+    yield "bands", "where", what, by_band(d, records)
+    what = f"From the nominal to the updated model: rms gap of {d.main_signal}, all directions, at each step."
+    yield "stages", "shrinks", what, waterfall(d)
     shown = [name for name in (*d.held_out, *d.training) if sides(d, name)]
     for record, stem in zip(shown, stems(shown), strict=True):
         role = "held out, never used to fit" if record in d.held_out else "training"

@@ -60,25 +60,21 @@ def _figures(plan: Plan) -> Iterator[tuple[str, str, str, Figure]]:
     margin = margin_for(labels, 7)
     figure, axes = sheet(1, 1, 0.19 * len(labels) + 0.2, left=margin, legend=False)
     draw_sizes(plan, axes[0, 0])
-    yield (
-        "smallest-sizes",
-        "smallest-sizes",
+    what = (
         "The smallest size of each effect that this experiment would detect, over a plausible size (dashed). "
-        "Grey: not seen at a plausible size.",
-        figure,
+        "Grey: not seen at a plausible size."
     )
+    yield "smallest-sizes", "smallest-sizes", what, figure
     margin = margin_for([labels[i] for i in near_effects(plan)] or labels, 7)
     figure, axes = sheet(1, 1, 6.4 - 0.14, left=margin, legend=False)
     draw_matrix(plan, axes[0, 0])
     axes[0, 0].set_anchor("N")
-    yield (
-        "matrix",
-        "matrix",
+    what = (
         "If the effect of a row is there, could that of a column be named? Red: they cannot be told apart "
         "(expected ln Bayes factor below ln 20); pale: hardly; blue: well. Grey: itself, or not seen. "
-        "Effects that are told well from all others are left out.",
-        figure,
+        "Effects that are told well from all others are left out."
     )
+    yield "matrix", "matrix", what, figure
 
 
 def least_words(effect: PlannedEffect) -> str:

@@ -50,10 +50,8 @@ def prepared(
     """Return the run, checked."""
     _core.check_step(float(step))
     if not isinstance(drive, Drive):
-        raise InvalidParameter(
-            f"must be a Drive, such as Drive.from_samples gives, or a Record, got {type(drive).__name__}",
-            where="drive",
-        )
+        what = f"must be a Drive, such as Drive.from_samples gives, or a Record, got {type(drive).__name__}"
+        raise InvalidParameter(what, where="drive")
     moving = [joint.name for joint in arm.moving_joints]
     for name in drive.joints:
         if name not in moving:

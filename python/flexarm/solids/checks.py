@@ -70,10 +70,8 @@ def _inverted(mesh: SolidMesh) -> Iterator[Problem]:
                 f"{_cells(mesh, kind, inverted)}{whole}",
             )
         if len(flat):
-            yield Problem(
-                f"cells.{kind}",
-                f"{len(flat)} of {len(values)} cells have no volume: {_cells(mesh, kind, flat)}",
-            )
+            what = f"{len(flat)} of {len(values)} cells have no volume: {_cells(mesh, kind, flat)}"
+            yield Problem(f"cells.{kind}", what)
 
 
 def _repeated(mesh: SolidMesh) -> Iterator[Problem]:

@@ -150,9 +150,8 @@ class SuperElement:
         """
         if name not in self.interfaces:
             known = ", ".join(self.interfaces)
-            raise InvalidParameter(
-                f"there is no interface {name!r}; there are {known}", where=f"super-element {self.name!r}"
-            )
+            what = f"there is no interface {name!r}; there are {known}"
+            raise InvalidParameter(what, where=f"super-element {self.name!r}")
         i = self.interfaces.index(name)
         return self.rotations[i], self.positions[i]
 
@@ -229,16 +228,12 @@ class SuperElement:
             wrong.
         """
         if self.recovery is None:
-            raise InvalidParameter(
-                "holds no recovery matrix; reduce the part with recovery=True (--recovery)",
-                where=f"super-element {self.name!r}",
-            )
+            what = "holds no recovery matrix; reduce the part with recovery=True (--recovery)"
+            raise InvalidParameter(what, where=f"super-element {self.name!r}")
         q = np.asarray(coordinates, dtype=float)
         if q.shape != (self.n_dof,):
-            raise InvalidParameter(
-                f"coordinates must have the shape ({self.n_dof},), got {q.shape}",
-                where=f"super-element {self.name!r}",
-            )
+            what = f"coordinates must have the shape ({self.n_dof},), got {q.shape}"
+            raise InvalidParameter(what, where=f"super-element {self.name!r}")
         return np.asarray((self.recovery @ q).reshape(-1, 3))
 
     def von_mises(self, mesh: SolidMesh, coordinates: ArrayLike) -> Floats:

@@ -85,9 +85,8 @@ def _not_finite(element: SuperElement) -> Iterator[Problem]:
         if len(bad):
             at = tuple(int(i) for i in bad[0])
             count = f" and {len(bad) - 1} more" if len(bad) > 1 else ""
-            yield Problem(
-                variable, f"must be finite and below {HUGE:g}, got {values[at]} at {list(at)}{count}"
-            )
+            what = f"must be finite and below {HUGE:g}, got {values[at]} at {list(at)}{count}"
+            yield Problem(variable, what)
         elif field in ("stiffness", "mass", "damping") and 0 < np.abs(values).max() < 1 / HUGE:
             what = f"must have an entry above {1 / HUGE:g}, got {np.abs(values).max():.3g} at most"
             yield Problem(variable, what)

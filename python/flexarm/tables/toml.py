@@ -28,9 +28,8 @@ def read_text(file: Path) -> str:
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         byte = error.object[error.start]
-        raise InvalidFile(
-            file, f"line {line}", f"not a text in UTF-8: byte 0x{byte:02x} at position {error.start}"
-        ) from None
+        what = f"not a text in UTF-8: byte 0x{byte:02x} at position {error.start}"
+        raise InvalidFile(file, f"line {line}", what) from None
     except OSError as error:
         raise InvalidFile(file, "file", f"cannot be read: {error.strerror}") from None
 

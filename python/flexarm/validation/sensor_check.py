@@ -196,10 +196,8 @@ def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str,
         raise InvalidParameter("must hold at least one record, got none", where="records")
     for name, record in named.items():
         if not isinstance(record, Record):
-            raise InvalidParameter(
-                f"must be a Record, such as Record.load gives, got {type(record).__name__}",
-                where=f"records.{name}",
-            )
+            what = f"must be a Record, such as Record.load gives, got {type(record).__name__}"
+            raise InvalidParameter(what, where=f"records.{name}")
         if record.kind == "frequency_response":
             raise InvalidParameter(
                 "is a frequency response, which `compare` puts beside the linear model; records of kind "

@@ -167,9 +167,8 @@ class _Reader:
         if self.material is None or not keyword.rows:
             return
         if not kind.startswith("ISO"):
-            self.notes.append(
-                Problem(f"line {keyword.line}", f"*ELASTIC, TYPE={kind} is not read, isotropic is")
-            )
+            what = f"*ELASTIC, TYPE={kind} is not read, isotropic is"
+            self.notes.append(Problem(f"line {keyword.line}", what))
             return
         values = keyword.floats(*keyword.rows[0])
         self.material.youngs_modulus, self.material.poisson_ratio = [*values, 0.0][:2]
@@ -210,9 +209,8 @@ class _Reader:
             self.notes.append(Problem("cells", f"{count} of type {name} are not read"))
         for name, lines in self.said.items():
             often = f" and {len(lines) - 1} more" if len(lines) > 1 else ""
-            self.notes.append(
-                Problem(f"line {lines[0]}{often}", f"*{name} is not read and joins nothing here")
-            )
+            what = f"*{name} is not read and joins nothing here"
+            self.notes.append(Problem(f"line {lines[0]}{often}", what))
         return Flat(self.assembly, self.instances, self.notes).content(path, self.materials)
 
 

@@ -69,12 +69,8 @@ class Flat:
         there = [self.index[key] for key in keys if key in self.index]
         if len(there) < len(keys):
             number = next(number for key in keys if key not in self.index for number in key[1:])
-            self.notes.append(
-                Problem(
-                    f"set {name!r}",
-                    f"names {len(keys) - len(there)} nodes that do not exist, such as {number}",
-                )
-            )
+            what = f"names {len(keys) - len(there)} nodes that do not exist, such as {number}"
+            self.notes.append(Problem(f"set {name!r}", what))
         return np.unique(np.array(there, int))
 
     def _materials(
@@ -84,9 +80,8 @@ class Flat:
         for section in self.scope.sections:
             material = materials.get(section.material)
             if material is None:
-                raise InvalidFile(
-                    path, section.where, f"*SOLID SECTION: there is no *MATERIAL {section.material!r}"
-                )
+                what = f"*SOLID SECTION: there is no *MATERIAL {section.material!r}"
+                raise InvalidFile(path, section.where, what)
             name = section.cells.removeprefix(self.prefix)
             group = next((g for g in groups if g.upper() in (name.upper(), section.cells.upper())), None)
             if group is None:

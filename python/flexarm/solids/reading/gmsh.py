@@ -80,9 +80,8 @@ def _refuse_shared_names(path: Path) -> None:
     twice = [name for name, count in Counter(row[2] for row in rows).items() if count > 1]
     if twice:
         kinds = ", ".join(f"{_DIMENSION[int(row[0])]} {row[1]}" for row in rows if row[2] == twice[0])
-        raise InvalidFile(
-            path, "$PhysicalNames", f"{twice[0]!r} is the name of {kinds}; every physical group needs its own"
-        )
+        what = f"{twice[0]!r} is the name of {kinds}; every physical group needs its own"
+        raise InvalidFile(path, "$PhysicalNames", what)
 
 
 def cell_numbers(path: Path) -> Ints | None:

@@ -82,9 +82,8 @@ def _refuse_other_solids(content: Content, file: str) -> None:
     if counts:
         shown = ", ".join(f"{count} of type {kind}" for kind, count in counts.items())
         remedy = next((r for stem, r in _REMEDY.items() if next(iter(counts)).startswith(stem)), "")
-        raise InvalidFile(
-            file, "cells", f"cells that flexarm has no element for: {shown}; allowed are {ALLOWED}; {remedy}"
-        )
+        what = f"cells that flexarm has no element for: {shown}; allowed are {ALLOWED}; {remedy}"
+        raise InvalidFile(file, "cells", what)
 
 
 def _refuse_missing_points(content: Content, file: str) -> None:
@@ -169,9 +168,8 @@ def _left_out(content: Content, used: NDArray[np.bool_]) -> list[Problem]:
     notes = []
     lost = [name for name, points in content.point_sets.items() if not used[points].all()]
     if lost:
-        notes.append(
-            Problem("point sets", f"points of no solid cell were left out of {', '.join(lost[:20])}")
-        )
+        what = f"points of no solid cell were left out of {', '.join(lost[:20])}"
+        notes.append(Problem("point sets", what))
     full = _counts(content)["hexahedron27"]
     if full:
         notes.append(Problem("cells", f"{full} hexahedra of 27 nodes are read as 20-node ones"))

@@ -83,12 +83,11 @@ def read_mesh(
 def _reader(file: Path) -> Callable[[Path], Content]:
     known = FORMATS.get(file.suffix.lower())
     if known is None:
-        raise InvalidFile(
-            file,
-            "path",
+        what = (
             f"files ending in {file.suffix!r} are not read; allowed are {', '.join(FORMATS)} "
-            "(`meshlane convert` writes .vtu from many others)",
+            "(`meshlane convert` writes .vtu from many others)"
         )
+        raise InvalidFile(file, "path", what)
     module = import_module(f"flexarm.solids.reading.{known[1]}")
     content: Callable[[Path], Content] = module.content
     return content

@@ -23,9 +23,8 @@ _TO_SI = {1.0: (1.0, 1.0), 1e-3: (1e6, 1e12)}
 def check_unit(unit: str) -> None:
     """Raise `InvalidParameter` if `unit` is no unit of length."""
     if factor_to("m", unit) is None:
-        raise InvalidParameter(
-            f"must be a unit of length, one of {', '.join(FACTORS['m'])}, got {unit!r}", where="unit"
-        )
+        what = f"must be a unit of length, one of {', '.join(FACTORS['m'])}, got {unit!r}"
+        raise InvalidParameter(what, where="unit")
 
 
 def si_materials(materials: Mapping[str, Elastic], unit: str) -> tuple[dict[str, Material], list[Problem]]:

@@ -69,8 +69,5 @@ def _refuse_losses(path: Path, n_read: int) -> None:
     if len(pieces) > 1:
         raise InvalidFile(path, "UnstructuredGrid", f"holds {len(pieces)} pieces; save it as one")
     if pieces and int(pieces[0]) != n_read:
-        raise InvalidFile(
-            path,
-            "Cells",
-            f"{int(pieces[0]) - n_read} of {int(pieces[0])} cells are of types that cannot be read",
-        )
+        what = f"{int(pieces[0]) - n_read} of {int(pieces[0])} cells are of types that cannot be read"
+        raise InvalidFile(path, "Cells", what)

@@ -95,10 +95,8 @@ def _check(where: str, inner: float, outer: float, bottom: float, top: float) ->
     if not all(map(isfinite, (inner, outer, bottom, top))):
         raise InvalidParameter("radii and heights must be finite", where=where)
     if not 0 <= inner <= outer:
-        raise InvalidParameter(
-            f"radii must be 0 <= inner <= outer, got inner = {inner:g}, outer = {outer:g} m", where=where
-        )
+        what = f"radii must be 0 <= inner <= outer, got inner = {inner:g}, outer = {outer:g} m"
+        raise InvalidParameter(what, where=where)
     if bottom > top:
-        raise InvalidParameter(
-            f"heights must be bottom <= top, got bottom = {bottom:g}, top = {top:g} m", where=where
-        )
+        what = f"heights must be bottom <= top, got bottom = {bottom:g}, top = {top:g} m"
+        raise InvalidParameter(what, where=where)

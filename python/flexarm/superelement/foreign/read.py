@@ -117,9 +117,8 @@ def _pick(file: Path, held: MatrixFile, role: str, name: str) -> Labelled:
     if len(found) == 1:
         return held.matrices[found[0]]
     if role == "mass" and not found:
-        raise InvalidFile(
-            file, role, f"holds no mass matrix (it holds {names}); name its file: --mass-matrix FILE"
-        )
+        what = f"holds no mass matrix (it holds {names}); name its file: --mass-matrix FILE"
+        raise InvalidFile(file, role, what)
     few = "none" if not found else "several"
     raise InvalidFile(file, role, f"must be told, {few} of {names} begin with {_INITIAL[role]}: FILE:NAME")
 
