@@ -135,8 +135,7 @@ class Modes(Result):
         mode : int, optional
             Which one, from 1; default: the first.
         """
-        found: Axes = drawn(self, ax=ax, mode=mode)
-        return found
+        return drawn(self, ax=ax, mode=mode)
 
     def view(self, urdf: str | Path | None = None) -> View:
         """Show the moving mode shapes in three dimensions, slowed.
@@ -151,8 +150,7 @@ class Modes(Result):
         View
             One page without network; see `Arm.view`.
         """
-        found: View = viewed(self, urdf=urdf)
-        return found
+        return viewed(self, urdf=urdf)
 
     def summary(self) -> str:
         """Return the result in lines that a person reads."""

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from flexarm.viewer import View
 
 
-def viewed(of: Any, **options: Any) -> Any:
+def viewed(of: Any, **options: Any) -> View:
     """Return the page of a model or result in three dimensions; see `flexarm.viewer.view`."""
-    return import_module("flexarm.viewer").view(of, **options)
+    page: View = import_module("flexarm.viewer").view(of, **options)
+    return page
 
 
-def drawn(of: Any, **options: Any) -> Any:
+def drawn(of: Any, **options: Any) -> Axes:
     """Return the axes of a picture without a browser; see `flexarm.viewer.draw`."""
-    return import_module("flexarm.viewer").draw(of, **options)
+    axes: Axes = import_module("flexarm.viewer").draw(of, **options)
+    return axes

@@ -183,8 +183,7 @@ def trial_functions(lam: float, xi: Array, derivative: int = 0) -> Array:
     s, c = np.sin(lam * xi), np.cos(lam * xi)
     sine, cosine = ((s, c), (c, -s), (-s, -c), (-c, s))[derivative % 4]
     decay, growth = np.exp(-lam * xi), np.exp(-lam * (1 - xi))
-    functions: Array = lam**derivative * np.array([sine, cosine, (-1) ** derivative * decay, growth])
-    return functions
+    return lam**derivative * np.array([sine, cosine, (-1) ** derivative * decay, growth])
 
 
 def frequencies_below(ends: EndConditions, lam: float) -> int:
@@ -232,8 +231,7 @@ def modal_masses(modes: ExactModes) -> Array:
     tip_slope = modes.shape(link.length, 1)[:, 0]
     hub_slope = modes.shape(0.0, 1)[:, 0]
     turning = link.tip_inertia * tip_slope**2 + link.hub_inertia * hub_slope**2
-    masses: Array = modes.shape(x) ** 2 @ dm + turning
-    return masses
+    return modes.shape(x) ** 2 @ dm + turning
 
 
 def mass_points(link: FlexibleLink, n_modes: int) -> tuple[Array, Array]:

@@ -60,8 +60,7 @@ class Propagator:
         N_c = nonlinear(t + h, c)
         first, middle, last = N, N_a + N_b, N_c
         by_phi = f1 @ first + f2 @ (2 * middle - 3 * first - last) + f3 @ (4 * (first - middle + last))
-        result: Array = E @ z + h * by_phi  # eq. (E2)
-        return result
+        return E @ z + h * by_phi  # eq. (E2)
 
     def forced(self, load: Callable[[float], Array], t: float, z: Array) -> Array:
         """Make one step of (E3)."""

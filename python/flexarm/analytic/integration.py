@@ -88,8 +88,7 @@ def _exponential(system: JointedArm, start: Array, time: Array, step: float) -> 
     A = system.linear_part()
 
     def remainder(t: float, z: Array) -> Array:
-        rest: Array = system.rhs(t, z) - A @ z
-        return rest
+        return system.rhs(t, z) - A @ z
 
     def advance(by: Propagator, t: float, z: Array) -> Array:
         if isinstance(system.arm, LinearModal):

@@ -123,8 +123,7 @@ class JointedArm:
         p = self.arm.basis.hub_slope
         friction = self.drive.friction(float(p @ v)) if self.drive.friction else 0.0
         angle = None if motor is _NO_MOTOR else motor.angle
-        total: Array = self.arm.forces(q, v, angle) + p * (self._torque(t, q, v, motor) + friction)
-        return total
+        return self.arm.forces(q, v, angle) + p * (self._torque(t, q, v, motor) + friction)
 
     def _torque(self, t: float, q: Array, v: Array, motor: Motor) -> float:
         drive, p = self.drive, self.arm.basis.hub_slope

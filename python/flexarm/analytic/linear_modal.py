@@ -44,8 +44,7 @@ class LinearModal(ModalArm):
         """Return (L1) under a prescribed angle, else (L2)."""
         if drive_angle is None:
             start, tangent, q_r = self._expansion
-            force: Array = start + tangent @ (q - q_r)  # eq. (L2)
-            return force
+            return start + tangent @ (q - q_r)  # eq. (L2)
         load: Array = self.gravity * self.basis.gravity_load * math.sin(drive_angle + self.zero_angle)
         return load  # eq. (L1)
 

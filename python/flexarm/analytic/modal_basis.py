@@ -128,8 +128,7 @@ class _Samples:
         load = link.tip_mass * np.outer(self.tip_shape, self.tip_shape)
         turning = link.tip_inertia * np.outer(self.tip_slope, self.tip_slope)
         hub = link.hub_inertia * np.outer(self.hub_slope, self.hub_slope)
-        total: Array = beam + load + turning + hub
-        return total
+        return beam + load + turning + hub
 
     def with_shape(
         self, shape: Array, slope: Array, curvature: Array, ends: tuple[float, float, float]
@@ -160,8 +159,7 @@ class _Samples:
     def _mass_beside_rotation(self) -> Array:
         """Return mass matrix of the bending shapes without their share of the unit-mass rigid rotation."""
         mass = self.mass()
-        rest: Array = mass[1:, 1:] - np.outer(mass[1:, 0], mass[0, 1:])
-        return rest
+        return mass[1:, 1:] - np.outer(mass[1:, 0], mass[0, 1:])
 
 
 def _hub_moment_shape(link: FlexibleLink, x: Array) -> tuple[Array, Array, Array, tuple[float, float, float]]:
@@ -178,8 +176,7 @@ def _integrate(samples: _Samples, foreshortening: float) -> ModalBasis:
     slope = bending[:, None] * samples.slope
 
     def slopes_weighted_by(tension: Array) -> Array:
-        product: Array = foreshortening * (slope * (weight * tension)) @ slope.T
-        return product
+        return foreshortening * (slope * (weight * tension)) @ slope.T
 
     still_to_come = link.mass_per_length * (link.length - x) + link.tip_mass  # μ of (B5)
     moment = link.mass_per_length * (link.length**2 - x**2) / 2 + link.tip_mass * link.length  # s of (B4)

@@ -69,13 +69,11 @@ class ModalArm:
 
     def frame_angle(self, q: Array) -> Array:
         """Return θ of (N1) [rad] for coordinates of shape (..., n + 1)."""
-        angle: Array = q @ self.basis.rotation + self.zero_angle
-        return angle
+        return q @ self.basis.rotation + self.zero_angle
 
     def elastic_forces(self, q: Array, v: Array) -> Array:
         """Return -Ω q - D v."""
-        force: Array = -(self.basis.omega**2) * q - self.damping * v
-        return force
+        return -(self.basis.omega**2) * q - self.damping * v
 
 
 @dataclass(frozen=True)
@@ -98,8 +96,7 @@ class NonlinearModal(ModalArm):
         rate = float(self.basis.rotation @ v)
         Cw_q = self.basis.Cw @ q
         factor = 1.0 if self.printed else 2.0
-        force: Array = factor * float(v @ Cw_q) * rate * self.basis.rotation - rate**2 * Cw_q  # eq. (1)
-        return force
+        return factor * float(v @ Cw_q) * rate * self.basis.rotation - rate**2 * Cw_q  # eq. (1)
 
     def gravity_forces(self, q: Array) -> Array:
         """Return Q_g = -dV/dq with (N1)."""
@@ -107,8 +104,7 @@ class NonlinearModal(ModalArm):
         s, c = math.sin(theta), math.cos(theta)
         Nq = basis.gravity_stiffness @ q
         turning = basis.link.static_moment * s + self._bending_load @ q * c - q @ Nq / 2 * s
-        force: Array = self.gravity * (turning * basis.rotation + self._bending_load * s + Nq * c)
-        return force
+        return self.gravity * (turning * basis.rotation + self._bending_load * s + Nq * c)
 
     def gravity_tangent(self, q: Array, drive_angle: float | None = None) -> Array:
         """Return dQ_g/dq, symmetric; `drive_angle` is not used."""

@@ -87,8 +87,7 @@ def stiffness_matrix(arm: Equation, q: Array, spring: float, drive_angle: float 
     """Return Ω - dQ_g/dq + k p pᵀ of (S2)."""
     p = arm.basis.hub_slope
     tangent = arm.gravity_tangent(q, drive_angle)
-    matrix: Array = np.diag(arm.basis.omega**2) - tangent + spring * np.outer(p, p)
-    return matrix
+    return np.diag(arm.basis.omega**2) - tangent + spring * np.outer(p, p)
 
 
 def small_vibrations_hz(arm: Equation, drive_angle: float, stiffness: float = math.inf) -> Array:

@@ -263,14 +263,12 @@ class Arm(Table):
         InvalidParameter
             If the extra `view` is not installed, once the page is needed.
         """
-        found: View = viewed(self, joints=joints, urdf=urdf)
-        return found
+        return viewed(self, joints=joints, urdf=urdf)
 
     @takes(joints=VALUES)
     def plot(self, ax: Axes | None = None, joints: Mapping[str, float] | None = None) -> Axes:
         """Draw the undeformed arm with Matplotlib, in the plane in which it reaches farthest."""
-        found: Axes = drawn(self, ax=ax, joints=joints)
-        return found
+        return drawn(self, ax=ax, joints=joints)
 
     # -------------------------------------------------------------------- text
 

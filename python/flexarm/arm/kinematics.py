@@ -36,8 +36,7 @@ class Pose:
 
     def of_point(self, position: Floats) -> Floats:
         """Return the positions in the base of a point given in this frame, shape (m, 3)."""
-        found: Floats = self.x + self.R @ position
-        return found
+        return self.x + self.R @ position
 
 
 def joint_to(arm: Any, link: str) -> Any:

@@ -141,11 +141,9 @@ def _of_result(path: Path, record: Path | None, times: dict[str, Any]) -> View:
     kind = _kind(path)
     with blame(path, record):
         if kind == "statics":
-            equilibrium: View = Statics.load(path).view(**times)
-            return equilibrium
+            return Statics.load(path).view(**times)
         if kind == "modes":
-            shapes: View = Modes.load(path).view()
-            return shapes
+            return Modes.load(path).view()
         run: View = Simulation.load(path).view(None if record is None else _record(record), **times)
     return run
 

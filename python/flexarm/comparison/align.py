@@ -191,8 +191,7 @@ def _jacobian(rows: _WeightedResiduals, values: Floats, parameters: list[Alignme
         step = np.zeros(len(parameters))
         step[i] = each.step
         columns.append((rows(values + step) - rows(values - step)) / (2 * each.step))
-    found: Floats = np.stack(columns, axis=1)
-    return found
+    return np.stack(columns, axis=1)
 
 
 def _least_squares(

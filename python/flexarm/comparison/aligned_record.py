@@ -73,8 +73,9 @@ def simulate_record(
 ) -> AlignedRecord:
     """Simulate a record and align it; parameters and errors as of `compare`."""
     if not isinstance(record, Record):
-        what = f"must be a Record, such as Record.load gives, got {type(record).__name__}"
-        raise InvalidParameter(what, where="record")
+        raise InvalidParameter(
+            f"must be a Record, such as Record.load gives, got {type(record).__name__}", where="record"
+        )
     if record.kind == "frequency_response":
         what = "is a frequency response, which no simulation repeats; flexarm.compare_responses takes it"
         raise InvalidParameter(what, where="kind")

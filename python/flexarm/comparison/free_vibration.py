@@ -129,8 +129,7 @@ class _Hats:
     def at(self, time: Floats, w: int) -> Floats:
         """Return B_w at some times, shape (n,)."""
         along = np.clip((time - self.start) / self.spacing, 0.0, self.count - 1.0) - w
-        found: Floats = np.where(np.abs(along) < 1, np.cos(0.5 * np.pi * along) ** 2, 0.0)
-        return found
+        return np.where(np.abs(along) < 1, np.cos(0.5 * np.pi * along) ** 2, 0.0)
 
     def begin(self, w: int) -> float:
         """Return t_w of (1), where a hat begins [s]: later states decay."""
@@ -183,8 +182,7 @@ def _amplitudes(motion: FreeMotion, hats: _Hats, free: Indices, seen: list[_Chan
 def _frequencies(motion: FreeMotion) -> Floats:
     """Return the frequencies of the modes [rad/s]."""
     n = len(motion.A) // 2
-    found: Floats = np.sqrt(np.maximum(-np.diag(motion.A[n:, :n]), 0.0))
-    return found
+    return np.sqrt(np.maximum(-np.diag(motion.A[n:, :n]), 0.0))
 
 
 def _motion(motion: FreeMotion) -> Floats:

@@ -96,5 +96,4 @@ def _turning(quaternion: Floats, rotation: Floats) -> Floats:
         c * real + a * y - b * x,
         -a * x - b * y - c * z,
     ]
-    found: Floats = 0.5 * np.stack(turned, axis=2)  # eq. (1)
-    return found
+    return 0.5 * np.stack(turned, axis=2)  # eq. (1)

@@ -42,8 +42,7 @@ class Outliers(SignalEffect):
     def thrown(self, values: Floats, rng: np.random.Generator) -> Floats:
         """Values, shape (n, channels), a share of whose rows is off: a draw from (1)."""
         off = rng.random(len(values)) < self.share
-        found: Floats = values + off[:, None] * self.size * rng.standard_normal(values.shape)
-        return found
+        return values + off[:, None] * self.size * rng.standard_normal(values.shape)
 
     def told_apart(self, residual: Floats, noise: Floats) -> NDArray[np.bool_]:
         """Rows of residuals, shape (n, channels), that (2) takes for outliers; `noise` is by channel."""

@@ -79,5 +79,4 @@ def _parts(table: SignalMap, values: Floats) -> Floats:
     size, phase = values[:, ::2], values[:, 1::2]
     size = 10 ** (size / 20) if table.response == "decibel-phase" else size
     turned = scale[::2] * size * np.exp(1j * (np.radians(phase) if table.phase_unit == "deg" else phase))
-    parts: Floats = np.stack([turned.real, turned.imag], axis=2).reshape(values.shape)
-    return parts
+    return np.stack([turned.real, turned.imag], axis=2).reshape(values.shape)

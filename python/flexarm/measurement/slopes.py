@@ -132,8 +132,7 @@ class _Linear:
         return read(there, self.signal, self._instants(seen), seen.registration(self.registration))
 
     def _instants(self, seen: SensorEffects) -> Floats:
-        instants: Floats = seen.clock(self.clock, float(self.simulation.time[0])).instants(self.stamps)
-        return instants
+        return seen.clock(self.clock, float(self.simulation.time[0])).instants(self.stamps)
 
     def _along(self) -> Floats:
         """Return u(dx/dp), shape (n, channels, parameter)."""

@@ -82,5 +82,4 @@ def _in_body(orientation: Floats, vectors: Floats) -> Floats:
     """Return vectors of base axes in the axes of bodies with quaternions (x, y, z, w)."""
     axis, w = -orientation[..., :3], orientation[..., 3:]
     twice = 2 * np.cross(axis, vectors)
-    turned: Floats = vectors + w * twice + np.cross(axis, twice)
-    return turned
+    return vectors + w * twice + np.cross(axis, twice)

@@ -110,5 +110,4 @@ def _pad(mesh: SolidMesh, radius: float) -> Ints:
     room = 1e-6 * radius
     outside = np.abs(np.hypot(x, z) - radius) < room
     under = (np.abs(y) < TUBE_RADIUS + room) & (np.abs(np.arctan2(x, z)) < np.pi / 8 + 1e-6)
-    found: Ints = np.flatnonzero(outside & under)
-    return found
+    return np.flatnonzero(outside & under)

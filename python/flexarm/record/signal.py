@@ -215,8 +215,7 @@ class Signal:
         if self.coherence is None or self.noise_std is not None:
             return found
         square = np.clip(self.coherence, 1e-12, 1.0)[:, None]
-        spread: Floats = np.abs(self.response) * np.sqrt((1 - square) / (2 * self.averages * square))
-        return spread
+        return np.abs(self.response) * np.sqrt((1 - square) / (2 * self.averages * square))
 
     @property
     def valid(self) -> NDArray[np.bool_]:

@@ -25,8 +25,7 @@ GRID = 2e-2
 
 def grid(study: Study) -> Floats:
     """Return equal steps over the run [s]."""
-    time: Floats = np.arange(round(study.experiment.end / GRID) + 1, dtype=float) * GRID
-    return time
+    return np.arange(round(study.experiment.end / GRID) + 1, dtype=float) * GRID
 
 
 def oscillation(values: Floats, rate_hz: float, study: Study) -> Floats:

@@ -173,8 +173,7 @@ def fitted_segment(time: Floats, values: Floats, frequency: float) -> tuple[Deca
 
     def residual(x: Floats) -> Floats:
         a = columns(x)
-        found: Floats = values - a @ np.linalg.lstsq(a, values, rcond=None)[0]
-        return found
+        return values - a @ np.linalg.lstsq(a, values, rcond=None)[0]
 
     omega = 2 * np.pi * frequency
     bounds = ([0.6 * omega, -0.5 * omega], [1.6 * omega, 0.7 * omega])

@@ -50,8 +50,10 @@ def prepared(
     """Return the run, checked."""
     _core.check_step(float(step))
     if not isinstance(drive, Drive):
-        what = f"must be a Drive, such as Drive.from_samples gives, or a Record, got {type(drive).__name__}"
-        raise InvalidParameter(what, where="drive")
+        raise InvalidParameter(
+            f"must be a Drive, such as Drive.from_samples gives, or a Record, got {type(drive).__name__}",
+            where="drive",
+        )
     moving = [joint.name for joint in arm.moving_joints]
     for name in drive.joints:
         if name not in moving:

@@ -223,8 +223,7 @@ class Simulation(Result):
         View
             One page without network; see `Arm.view`.
         """
-        found: View = viewed(self, record=record, scale=scale, urdf=urdf)
-        return found
+        return viewed(self, record=record, scale=scale, urdf=urdf)
 
     def __repr__(self) -> str:
         span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else "no instants"

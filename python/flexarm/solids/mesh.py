@@ -222,8 +222,7 @@ class SolidMesh:
         >>> part = part.with_point_set("foot", part.points_in_box([-inf, -inf, 0], [inf, inf, 1e-6]))
         """
         inside = (self.points >= np.asarray(lower)) & (self.points <= np.asarray(upper))
-        found: Ints = np.flatnonzero(inside.all(axis=1))
-        return found
+        return np.flatnonzero(inside.all(axis=1))
 
     def merged(self, tolerance: float) -> SolidMesh:
         """Merge points closer than `tolerance` [m]."""

@@ -37,8 +37,7 @@ def point_areas(mesh: SolidMesh, points: ArrayLike) -> Floats:
     for nodes in _outer_faces(mesh, inside):
         np.add.at(area, nodes, _integrals(mesh.points[nodes]))
         covered[nodes] = True
-    found: Floats = area[chosen] if covered[chosen].all() else np.zeros(len(chosen))
-    return found
+    return area[chosen] if covered[chosen].all() else np.zeros(len(chosen))
 
 
 def _outer_faces(mesh: SolidMesh, inside: NDArray[np.bool_]) -> Iterator[Ints]:

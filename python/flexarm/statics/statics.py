@@ -109,8 +109,7 @@ class Statics(Result):
         scale : float, optional
             Displacements are drawn times it; default: so that they show.
         """
-        found: Axes = drawn(self, ax=ax, scale=scale)
-        return found
+        return drawn(self, ax=ax, scale=scale)
 
     def view(self, scale: float | None = None, urdf: str | Path | None = None) -> View:
         """Show the deformed arm in three dimensions, with the rigid one.
@@ -127,8 +126,7 @@ class Statics(Result):
         View
             One page without network; see `Arm.view`.
         """
-        found: View = viewed(self, scale=scale, urdf=urdf)
-        return found
+        return viewed(self, scale=scale, urdf=urdf)
 
     def summary(self) -> str:
         """Return the result in lines that a person reads."""

@@ -264,8 +264,7 @@ class SuperElement:
         View
             One page without network; see `Arm.view`.
         """
-        found: View = viewed(self, mesh=mesh)
-        return found
+        return viewed(self, mesh=mesh)
 
     def summary(self) -> str:
         """Return the mass, interfaces, modes, quality and origin in lines."""

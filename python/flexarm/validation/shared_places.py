@@ -69,8 +69,7 @@ class _Pose:
 
     def seen(self, places: Floats) -> Floats:
         """Return places of the base as seen in the frame."""
-        found: Floats = (places - self.x) @ self.R
-        return found
+        return (places - self.x) @ self.R
 
     def rms(self, sightings: _Sightings) -> float:
         """Return the rms of (1), over places."""
