@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from flexarm.arm.arm import Arm
+from flexarm.arm.joint import Joint
 from flexarm.arm.names import from_base, link_of
 from flexarm.arm.places import place_in_link
 from flexarm.arm.rotation import Vector, chained, rotated
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
-    from flexarm.arm.joint import Joint
 
 
 def first_turning_joint(arm: Arm) -> Joint | None:

@@ -11,8 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isinf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.effect import Effect
 from flexarm.arm.joint_units import unit_at
 from flexarm.arm.link import Beam
@@ -20,9 +21,6 @@ from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import InvalidParameter
 from flexarm.tables import Table, component_names, unit_of
 from flexarm.tables.field import COMPONENTS
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
 
 _STEP = 3e-5
 """Step of differences in parts of the parameter's size: its square and 1e-16 over it are both near 1e-9."""

@@ -11,18 +11,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import isinf
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import BeforeValidator, model_validator
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.joint_units import priors_in
+from flexarm.arm.prior import Prior, Priors, Values
+from flexarm.arm.rotation import Vector
 from flexarm.tables import Inconsistent, Number, Vector2
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
-    from flexarm.arm.prior import Prior, Priors, Values
-    from flexarm.arm.rotation import Vector
 
 
 def _one_or_two(unit: str, positive: bool) -> BeforeValidator:

@@ -7,12 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from math import atan2, hypot, pi
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 
 from flexarm.arm.effect import Effect
-
-if TYPE_CHECKING:
-    from flexarm.arm.prior import Priors, Values
+from flexarm.arm.prior import Priors, Values
 
 
 class WaveEffect(Effect):

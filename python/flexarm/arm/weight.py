@@ -19,8 +19,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from flexarm.arm.arm import Arm
 from flexarm.arm.inertia import Matrix, inertia_matrix
 from flexarm.arm.link import Beam, Link, RigidLink, SuperElementLink
 from flexarm.arm.names import from_base, link_of
@@ -40,9 +41,6 @@ from flexarm.arm.rotation import (
     times,
     transposed,
 )
-
-if TYPE_CHECKING:
-    from flexarm.arm.arm import Arm
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count
 from math import exp
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -39,11 +38,9 @@ from flexarm.diagnosis.zeros import with_zeros
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.named_effects import NORMAL_90
+from flexarm.record import Record
 from flexarm.validation.sensor_check import clean_records, named_records
 from flexarm.wording import listed
-
-if TYPE_CHECKING:
-    from flexarm.record import Record
 
 Progress = Callable[[float, str], object] | None
 

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +32,7 @@ from flexarm.comparison.effective_parameters import EffectiveParameters
 from flexarm.comparison.pose_outliers import pose_outliers
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.outliers import SMOOTH, outliers
-
-if TYPE_CHECKING:
-    from flexarm.record import Signal
+from flexarm.record import Signal
 
 KEPT = 0.9
 """Share of a prior's sigma that is left where the data say nothing."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.align import align as align_to
 from flexarm.comparison.alignment_parameters import drive_clock, is_unknown_clock, stated_placement
@@ -18,14 +19,9 @@ from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
 from flexarm.drive.from_record import true_time
 from flexarm.errors import InvalidParameter, NotConverged
-from flexarm.modal import modes
+from flexarm.modal import Modes, modes
 from flexarm.record import Record
 from flexarm.record.plausibility import disjoint_clocks, unknown_motion
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.modal import Modes
-    from flexarm.record import Record
 
 MODES = 3
 NEEDS_ROTATIONS = ("orientation", "inclination", "angular_rate", "acceleration")

@@ -9,7 +9,6 @@ Sigmas are those of the record. Zero means exact and gives no parameter; "unknow
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +16,7 @@ from flexarm.arrays import Floats
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import Registration
-
-if TYPE_CHECKING:
-    from flexarm.record import Record, Signal
+from flexarm.record import Record, Signal
 
 FRAME_PARAMETERS = ("translation", "rotation")
 SEEN_IN_FRAMES = ("position", "orientation")

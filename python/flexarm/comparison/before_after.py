@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
 
+from flexarm.arm import Arm
+from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.pooled_gap import PooledGap, pooled_gap
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.comparison.comparison import Comparison
 
 
 class BeforeAfter:

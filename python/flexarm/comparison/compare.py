@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arguments import ARM, FLAG, MOTION, NUMBER, RECORD, ROW, takes
+from flexarm.arm import Arm
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
 from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
@@ -16,15 +17,12 @@ from flexarm.comparison.bands import alias
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.free_vibration import rings_freely
 from flexarm.comparison.gap import SignalGap, signal_gap
+from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.comparison.step_check import step_notes
 from flexarm.drive.lead_in import LEAD
 from flexarm.measurement.outliers import SMOOTH, listed
+from flexarm.record import Record
 from flexarm.record.compatibility import unplaced_effects
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.comparison.simulated_record import SimulatedRecord
-    from flexarm.record import Record
 
 
 @takes(

@@ -19,11 +19,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import is_unknown_clock, stated_placement
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord, pair_record
@@ -32,12 +32,10 @@ from flexarm.errors import InvalidParameter
 from flexarm.linear.free_motion import FreeMotion, free_motion
 from flexarm.measurement.predict import read
 from flexarm.measurement.state_snapshots import StateSnapshots
+from flexarm.record import Record, Signal
 
 Indices = NDArray[np.intp]
 
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Record, Signal
 
 MODES = 6
 """Most modes that ring, of those that the fastest signal can show."""

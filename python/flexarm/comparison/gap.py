@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +21,7 @@ from flexarm.comparison.bands import Band, band_edges, band_split
 from flexarm.comparison.directions import base_directions, joint_directions, project
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.sampling import sample
-
-if TYPE_CHECKING:
-    from flexarm.record import Signal
+from flexarm.record import Signal
 
 
 @dataclass(frozen=True, eq=False)

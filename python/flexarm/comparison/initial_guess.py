@@ -21,7 +21,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -34,9 +33,7 @@ from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import columns
 from flexarm.measurement.tracker import base_position
-
-if TYPE_CHECKING:
-    from flexarm.record import Signal
+from flexarm.record import Signal
 
 
 def initial_guess(simulated: SimulatedRecord, start: Placement) -> Placement:

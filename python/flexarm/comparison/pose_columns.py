@@ -14,7 +14,6 @@ multiplied by the size of its coefficient that few machines worth a diagnosis ex
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,9 +24,7 @@ from flexarm.comparison.gap import drive_angles
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.sampling import sample
 from flexarm.measurement.tracker import base_position
-
-if TYPE_CHECKING:
-    from flexarm.record import Signal
+from flexarm.record import Signal
 
 TURN = 0.05
 """Rotation of a frame, and of a joint by each part of (3) where that is greatest [rad]: three degrees."""

@@ -21,7 +21,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,9 +31,7 @@ from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.pose_columns import ANGLES, pose_columns
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.outliers import beyond_range_of_others
-
-if TYPE_CHECKING:
-    from flexarm.record import Signal
+from flexarm.record import Signal
 
 LEAST_POSES = 5
 """Fewest poses of a signal that may have an outlier: three others predict too little of one."""

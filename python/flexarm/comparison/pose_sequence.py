@@ -10,17 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.measurement.state_snapshots import StateSnapshots
 from flexarm.sensitivity import Sensitivities
 from flexarm.statics.batch import StaticSolution
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
 
 SEEN = ("position", "rotation", "link_angle", "joint_torque", "section_forces")
 """Arrays of an equilibrium that a sequence is made from."""

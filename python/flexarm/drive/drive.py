@@ -6,22 +6,19 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm.arguments import ARM, ARRAY, ARRAYS, PATH, RECORD, TEXT, takes
+from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.drive.joint_drive import JointDrive
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.measurement.smoothing import interpolate
+from flexarm.record import Record
 from flexarm.record.columns import CsvFile
 from flexarm.tables.ranges import first_beyond, out_of_range, range_of
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Record
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,11 @@ smoothly on the parameters of these effects.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.drive.joint_drive import JointDrive
 from flexarm.drive.lead_in import LEAD, led_in
@@ -20,10 +21,7 @@ from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.outliers import drive_outliers
 from flexarm.measurement.smoothing import smooth
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Record, Signal
+from flexarm.record import Record, Signal
 
 
 def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:

@@ -16,19 +16,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import ceil, exp, isfinite, log
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm import Arm
 from flexarm.arm.drive_effect import DriveEffect
+from flexarm.arrays import Floats
+from flexarm.drive.drive import Drive
 from flexarm.drive.joint_drive import JointDrive
 from flexarm.errors import InvalidParameter
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.arrays import Floats
-    from flexarm.drive.drive import Drive
 
 APART = 0.25
 """Distance of knots over the time constant where the exponential of (2) is alive."""

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -29,9 +29,7 @@ from flexarm.record.record import Record
 from flexarm.record.signal import Signal
 from flexarm.record.table import Clock
 from flexarm.tables import refuse
-
-if TYPE_CHECKING:
-    from flexarm.tables.field import Path as Where
+from flexarm.tables.field import Path as Where
 
 
 @takes(path=PATH)

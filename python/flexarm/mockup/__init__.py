@@ -11,11 +11,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from flexarm.mockup.arms import PARAMETER_SETS, mock_up, model
+from flexarm.mockup.arms import bench_arm as bench_arm
+from flexarm.mockup.arms import solid_arm as solid_arm
 from flexarm.mockup.experiment import Experiment, virtual_measurement
 
 if TYPE_CHECKING:
-    from flexarm.mockup.arms import bench_arm as bench_arm
-    from flexarm.mockup.arms import solid_arm as solid_arm
     from flexarm.mockup.design import HingeDesign as HingeDesign
     from flexarm.mockup.design import bench_design as bench_design
     from flexarm.mockup.hinge import SolidHinge as SolidHinge

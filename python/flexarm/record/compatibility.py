@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arm.consistency import missing
-from flexarm.arm.effect import read_effect
+from flexarm.arm.effect import Effect, read_effect
 from flexarm.arm.joint import coupled_joints
 from flexarm.arm.link import Beam
 from flexarm.arm.rotation import scaled
@@ -22,7 +22,6 @@ from flexarm.record.workspace import predicted_places, workspace_radius
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
-    from flexarm.arm.effect import Effect
     from flexarm.record.record import Record
     from flexarm.record.signal import Signal
     from flexarm.record.table import DrawnLink

@@ -11,7 +11,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from flexarm.named_effects import NORMAL_90
+from flexarm.named_effects import NORMAL_90, Estimate, NamedEffect
 from flexarm.netcdf import save
 from flexarm.output import PAGE, stems, write_file
 from flexarm.report.diagnosis_page import page
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flexarm.diagnosis.result import Diagnosis
-    from flexarm.named_effects import Estimate, NamedEffect
 
 
 def write(diagnosis: Diagnosis, directory: Path, model: Path | None = None) -> None:

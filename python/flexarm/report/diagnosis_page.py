@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from flexarm.arm.effect import effect_class
 from flexarm.budget import ended_early
-from flexarm.report.files import filled
+from flexarm.report.files import Drawing, filled
 from flexarm.report.gap_tables import gap_tables
 from flexarm.report.law_figures import law_rows
 from flexarm.report.sentences import (
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.fit_statistics import FitStatistics
     from flexarm.named_effects import Alternative, Estimate, NamedEffect
-    from flexarm.report.files import Drawing
 
 Row = dict[str, Any]
 

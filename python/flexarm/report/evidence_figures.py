@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.named_effects import NORMAL_90
+from flexarm.named_effects import NORMAL_90, NamedEffect, Place
 from flexarm.report.gap_curves import AFTER, along, draw, label, sides, worst
 from flexarm.report.sheets import BOTTOM, LEFT, TOP, legend_below, margin_for, sheet, write_beside
 from flexarm.report.state_figures import draw_of_effect
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flexarm.diagnosis.result import Diagnosis
-    from flexarm.named_effects import NamedEffect, Place
 
 RIVAL, OTHER, DRIFTS = "#56B4E9", "#bbbbbb", "#a02c00"
 REACH = log(20.0)

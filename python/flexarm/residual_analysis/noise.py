@@ -14,8 +14,6 @@ the noise.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,10 +21,8 @@ from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.bands import band_split
 from flexarm.measurement.outliers import outliers
+from flexarm.record import Signal
 from flexarm.residual_analysis.policy import POLICY
-
-if TYPE_CHECKING:
-    from flexarm.record import Signal
 
 BANDS = 16
 LEAST_SAMPLES = 8 * BANDS

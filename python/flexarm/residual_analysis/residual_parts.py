@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +21,7 @@ from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.bands import band_parts
 from flexarm.comparison.gap import SignalGap, directions_of, drive_angles, signal_gap
 from flexarm.measurement.torque import gear_ratio
+from flexarm.record import Signal
 from flexarm.residual_analysis.motion_states import JointStates, joined_states, joint_states
 from flexarm.residual_analysis.order_tracking import (
     Harmonic,
@@ -30,9 +30,6 @@ from flexarm.residual_analysis.order_tracking import (
     harmonic_parts,
 )
 from flexarm.residual_analysis.spectrum import Named, named_bands
-
-if TYPE_CHECKING:
-    from flexarm.record import Signal
 
 PER_TURN = "per motor turn"
 """Part of the name of a motor order."""

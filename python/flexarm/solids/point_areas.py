@@ -11,17 +11,14 @@ Source: Zienkiewicz and Taylor, The Finite Element Method, vol. 1, nodal forces 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexarm.arrays import Floats, Ints
 from flexarm.solids.cell_types import CELL_TYPES, CellType
+from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.shape import outer_faces
-
-if TYPE_CHECKING:
-    from flexarm.solids.mesh import SolidMesh
 
 
 def point_areas(mesh: SolidMesh, points: ArrayLike) -> Floats:

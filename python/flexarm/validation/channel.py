@@ -7,7 +7,6 @@ the nuisance regressors of `validation.regression`.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +15,9 @@ from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.quantities import channel_names
+from flexarm.record import Signal
 from flexarm.validation.policy import POLICY
 from flexarm.validation.regression import GainFit, fit_at_gain, fit_gain, nuisance_regressors, predicted_at
-
-if TYPE_CHECKING:
-    from flexarm.record import Signal
-
 
 QUASI_STATIC = ("position", "deflection", "joint_angle", "inclination", "orientation")
 """Quantities that do not ring by as much as they move."""

@@ -19,17 +19,14 @@ A simulation that begins at rest with a moving drive rings, which the arm did no
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.comparison.simulated_record import SimulatedRecord
+from flexarm.record import Record, Signal
 from flexarm.validation.channel import QUASI_STATIC, Channel, channels
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
-
-if TYPE_CHECKING:
-    from flexarm.comparison.simulated_record import SimulatedRecord
-    from flexarm.record import Record, Signal
 
 
 def remarks_on_clocks(simulations: Mapping[str, SimulatedRecord]) -> list[str]:

@@ -18,13 +18,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, inf, log
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.budget import allows
 from flexarm.effects import UnitError
 from flexarm.errors import InvalidParameter
+from flexarm.record import Record
 from flexarm.validation.drive_hypotheses import (
     Hypothesis,
     describe_hypothesis,
@@ -39,11 +41,6 @@ from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import simulate_records
 from flexarm.validation.policy import POLICY
 from flexarm.validation.rigid_motion import kinematic_signals, rigid_record
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Record
-
 
 Values = Mapping[str, tuple[float, float, str]]
 

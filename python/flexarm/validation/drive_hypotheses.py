@@ -10,25 +10,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import log, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.arm.joint import coupled_joints, shaft_ratio
+from flexarm.arm.sensor_effect import ChannelEffect
 from flexarm.arm.sizes import LONGEST
 from flexarm.measurement.torque import gear_ratio
+from flexarm.record import Record, Signal
 from flexarm.record.plausibility import FARTHEST
 from flexarm.record.time_unit import LIVELY, motion_of
 from flexarm.validation.finding import ChannelFinding
 from flexarm.validation.gain_faults import name_conversion
 from flexarm.validation.policy import POLICY
 from flexarm.wording import listed
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.arm.sensor_effect import ChannelEffect
-    from flexarm.record import Record, Signal
-
 
 Hypothesis = tuple["ChannelEffect", ...]
 

@@ -21,21 +21,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from flexarm.arm.effect import Effect
 from flexarm.measurement.outliers import listed
 from flexarm.named_effects import NamedEffect, place_text
+from flexarm.record import Record
 from flexarm.validation.channel import Channel
 from flexarm.validation.policy import POLICY
 from flexarm.validation.regression import effective_samples
 from flexarm.wording import with_unit
-
-if TYPE_CHECKING:
-    from flexarm.arm.effect import Effect
-    from flexarm.record import Record
-
 
 NOTHING = 1e-12
 """Least scatter: readings and prediction may both stand at 0 [SI]."""

@@ -18,18 +18,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexarm.arm.sizes import reach
+from flexarm.comparison.simulated_record import SimulatedRecord
+from flexarm.record import Record, Signal
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
 from flexarm.wording import with_unit
-
-if TYPE_CHECKING:
-    from flexarm.comparison.simulated_record import SimulatedRecord
-    from flexarm.record import Record, Signal
 
 
 def remarks_on_unstated_frames(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:

@@ -11,12 +11,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import log, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.torque import gear_ratio
+from flexarm.record import Signal
 from flexarm.validation.channel import Channel, channels
 from flexarm.validation.finding import ChannelFinding, cost, log_bayes
 from flexarm.validation.initial_alignment import initial_alignment
@@ -24,11 +25,6 @@ from flexarm.validation.policy import POLICY
 from flexarm.validation.regression import GainFit, predicted_at
 from flexarm.validation.saturation import find_frozen, find_saturation, frozen_as_dead
 from flexarm.wording import with_unit
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Signal
-
 
 LOADED = ("motor_torque", "motor_voltage", "strain", "deflection")
 """Quantities that bear loads, which the nominal model knows less well."""

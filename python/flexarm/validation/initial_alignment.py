@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.budget import allows, current
 from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, simulate_record
 from flexarm.comparison.alignment_parameters import stated_placement
@@ -21,12 +22,9 @@ from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.poses import solve_poses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.record import Record
+from flexarm.simulation import Progress
 from flexarm.simulation.simulate_all import simulate_all
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Record
-    from flexarm.simulation import Progress
 
 
 def initial_alignment(simulated: SimulatedRecord) -> Placement:

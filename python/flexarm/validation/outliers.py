@@ -20,13 +20,13 @@ see `flexarm.comparison.pose_outliers`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.comparison.pose_outliers import pose_outliers
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.outliers import (
     AROUND,
     NEARBY,
@@ -38,14 +38,11 @@ from flexarm.measurement.outliers import (
     nearby,
 )
 from flexarm.measurement.predict import read
+from flexarm.record import Record, Signal
 from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.validation.channel import channels
 from flexarm.validation.finding import RemovedOutliers
 from flexarm.validation.policy import POLICY
-
-if TYPE_CHECKING:
-    from flexarm.comparison.simulated_record import Placement, SimulatedRecord
-    from flexarm.record import Record, Signal
 
 
 def clean_drives(name: str, record: Record) -> tuple[Record, list[RemovedOutliers]]:

@@ -8,22 +8,19 @@ values.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.arm.sizes import implausible_sizes
 from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
+from flexarm.comparison.simulated_record import SimulatedRecord
+from flexarm.record import Record, Signal
 from flexarm.record.compatibility import implausible_values
 from flexarm.record.plausibility import INPUTS, unit_problems
 from flexarm.record.time_unit import mismatched_durations
 from flexarm.wording import listed
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.comparison.simulated_record import SimulatedRecord
-    from flexarm.record import Record, Signal
 
 
 def remarks_on_few_poses(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:

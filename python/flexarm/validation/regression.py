@@ -28,7 +28,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import hypot
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -38,11 +37,8 @@ from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import sample
+from flexarm.record import Signal
 from flexarm.validation.policy import POLICY
-
-if TYPE_CHECKING:
-    from flexarm.record import Signal
-
 
 ROUNDS = 8
 

@@ -8,21 +8,18 @@ need the forces, and are left out.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.arm.kinematics import link_pose
 from flexarm.arrays import Floats
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive.from_record import true_time
 from flexarm.measurement.effects_of import effects_of
+from flexarm.record import Record, Signal
 from flexarm.simulation.energies import NAMES, Energies
 from flexarm.simulation.simulation import Simulation
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Record, Signal
 
 KINEMATIC = (
     *("position", "orientation", "inclination", "joint_angle", "joint_rate", "angular_rate", "acceleration"),

@@ -15,13 +15,17 @@ Source: docs/diagnosis.md.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from flexarm.arm import Arm
 from flexarm.budget import current
 from flexarm.comparison.aligned_record import simulate_record
+from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.errors import InvalidParameter
+from flexarm.record import Record
 from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
+from flexarm.simulation import Progress
 from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
 from flexarm.validation.consensus import RecordFindings, merge_findings
 from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
@@ -40,12 +44,6 @@ from flexarm.validation.record_remarks import (
 )
 from flexarm.validation.shared_places import remarks_on_shared_clocks, remarks_on_shared_frames
 from flexarm.validation.stuck_drives import confirmed_inputs, constant_drive, stuck_drive
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.comparison.simulated_record import SimulatedRecord
-    from flexarm.record import Record
-    from flexarm.simulation import Progress
 
 
 def check(

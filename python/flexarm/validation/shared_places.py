@@ -22,13 +22,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import drive_clock
+from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.frames import rotation_matrix
 from flexarm.measurement.sampling import columns
 from flexarm.measurement.tracker import base_position
@@ -36,9 +36,6 @@ from flexarm.validation.channel import QUASI_STATIC, channels
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
 from flexarm.wording import with_unit
-
-if TYPE_CHECKING:
-    from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 
 STEPS = 10
 """Most steps of Gauss and Newton; turns of a radian take five."""

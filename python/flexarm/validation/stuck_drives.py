@@ -15,11 +15,12 @@ turns.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.record import Record, Signal
 from flexarm.record.workspace import span_by
 from flexarm.validation.channel import QUASI_STATIC, Channel
 from flexarm.validation.drive_faults import DriveFault
@@ -27,10 +28,6 @@ from flexarm.validation.drive_hypotheses import is_disturbed, is_moved_by
 from flexarm.validation.finding import ChannelFinding
 from flexarm.validation.policy import POLICY
 from flexarm.validation.saturation import Run, constant_runs
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Record, Signal
 
 
 def stuck_drive(arm: Arm, record: Record, found: Sequence[ChannelFinding]) -> DriveFault | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from math import isfinite
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,14 +18,12 @@ from flexarm.simulation import Simulation, simulate
 from flexarm.statics import Statics, static
 from flexarm.superelement import SuperElement
 from flexarm.viewer.bodies import LAYERS, Bodies, Meshes, gravity_at, part_skins, triad
+from flexarm.viewer.measured import Measured
 from flexarm.viewer.mode_words import told
 from flexarm.viewer.scene import STYLE, Clip, Label, Layer, Scene, nice
 from flexarm.viewer.skeleton import Poses, Skeleton, at_rest, from_quaternions
 from flexarm.viewer.solids import Skin, Surface, ball
 from flexarm.wording import number, with_unit
-
-if TYPE_CHECKING:
-    from flexarm.viewer.measured import Measured
 
 
 def of_arm(arm: Arm, joints: Mapping[str, float] | None = None, meshes: Meshes | None = None) -> Scene:
