@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from flexarm.arm import Arm
 
 
-class Result(ABC):
-    """Base of statics, modes and runs: the arm, names, and a file."""
+class OfArm:
+    """Base of arrays that belong to an arm: the names along their axes."""
 
     arm: Arm
 
@@ -35,6 +35,10 @@ class Result(ABC):
     def joints(self) -> tuple[str, ...]:
         """Names of the joints, in the order of the arrays."""
         return tuple(joint.name for joint in self.arm.joints)
+
+
+class Result(OfArm, ABC):
+    """Base of statics, modes and runs: the arm, names, and a file."""
 
     @abstractmethod
     def contents(self) -> Contents:

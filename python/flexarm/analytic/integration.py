@@ -58,10 +58,6 @@ def simulate(
     rtol, atol : float
         Tolerances of `solve_ivp`; q is some kg^½ m large.
 
-    Returns
-    -------
-    ArmMotion
-
     Raises
     ------
     NotConverged

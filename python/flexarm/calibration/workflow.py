@@ -92,10 +92,6 @@ def calibrate(
     progress : callable, optional
         Gets the share done and what is being done.
 
-    Returns
-    -------
-    Calibration
-
     Raises
     ------
     InvalidParameter

@@ -133,10 +133,6 @@ def campaign(
     notice : callable, optional
         Gets sentences that the user should know, such as the address of Dask's page.
 
-    Returns
-    -------
-    Campaign
-
     Raises
     ------
     InvalidFile

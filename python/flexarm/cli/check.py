@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Json, MaxSeconds, print_json, refuse, warn
+from flexarm.cli.options import MESHES, AllowOutside, Json, MaxSeconds, print_json, refuse, warn
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 
 if TYPE_CHECKING:
@@ -21,7 +21,6 @@ Told = tuple[dict[str, Any], list[str], list[Problem], list[Problem]]
 """For programs, in lines for a person, warnings, and errors beside which the rest is told."""
 Faults = list[tuple[Path, Problem]]
 """Problems that make data unusable, each with its file."""
-_MESHES = (".inp", ".msh", ".vtu", ".bdf", ".nas", ".fem")
 
 
 def check(
@@ -91,7 +90,7 @@ def _beside(
 def _reader(path: Path) -> Callable[[Path], Told]:
     if path.is_dir() or path.name == "record.toml":
         return _record
-    if path.suffix in _MESHES:
+    if path.suffix in MESHES:
         what = "is a mesh, no model; `flexarm reduce` checks it and makes it a super-element"
         raise InvalidFile(path, "path", what)
     return _superelement if path.suffix == ".nc" else _model

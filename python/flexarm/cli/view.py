@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexarm.cli.options import AllowOutside, JointValues, blame, joint_values, load_arm, warn
+from flexarm.cli.options import MESHES, AllowOutside, JointValues, blame, joint_values, load_arm, warn
 from flexarm.errors import InvalidFile, Problem
 from flexarm.reading import check_hdf5, reading
 
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.record import Record
     from flexarm.viewer import View
-
-MESHES = (".inp", ".msh", ".vtu", ".bdf", ".nas", ".fem")
 
 
 def view(

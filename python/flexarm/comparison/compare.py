@@ -72,10 +72,6 @@ def compare(
     check_step : bool
         Simulate once more with half the step, and note predictions that move by more than half their noise.
 
-    Returns
-    -------
-    Comparison
-
     Raises
     ------
     InvalidParameter

@@ -69,10 +69,6 @@ def measure(
     **tables
         `joints`, `payloads`, `links`, `controllers` and `base` of the record.
 
-    Returns
-    -------
-    Record
-
     Raises
     ------
     CannotMeasure

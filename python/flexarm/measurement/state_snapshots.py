@@ -16,10 +16,11 @@ from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
 from flexarm.measurement.predict import read
+from flexarm.result import OfArm
 
 
 @dataclass(frozen=True, eq=False)
-class StateSnapshots:
+class StateSnapshots(OfArm):
     """Arrays that measurements take from a `Simulation`; the first axis is the state, 0, 1, 2, ... in `time`.
 
     Points have position and velocity in base axes [m], [m/s], and in body axes rate [rad/s] and specific
@@ -39,16 +40,6 @@ class StateSnapshots:
     drive_rate: Floats
     motor_torque: Floats
     section_forces: Floats
-
-    @property
-    def points(self) -> tuple[str, ...]:
-        """Names of the points, in the order of the arrays."""
-        return tuple(point.name for point in self.arm.points)
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Names of the joints, in the order of the arrays."""
-        return tuple(joint.name for joint in self.arm.joints)
 
     @classmethod
     def of(cls, arm: Arm, system: _core.System, states: Sequence[_core.State]) -> StateSnapshots:

@@ -82,10 +82,6 @@ def simulate(
     progress : bool or callable, optional
         True shows a bar on standard error; a callable gets the share done and may return False to stop.
 
-    Returns
-    -------
-    Simulation
-
     Raises
     ------
     InvalidParameter

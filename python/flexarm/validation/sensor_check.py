@@ -67,10 +67,6 @@ def check(
     progress : bool or callable, optional
         As in `simulate`.
 
-    Returns
-    -------
-    ValidationResult
-
     Raises
     ------
     InvalidParameter

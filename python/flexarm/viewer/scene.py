@@ -79,8 +79,6 @@ class Clip:
     """Instants of the frames [s], as they are played, shape (m,)."""
     poses: Poses
     text: str = ""
-    shown_time: Floats | None = None
-    """What the slider tells instead of `time` [s], shape (m,)."""
     loops: bool = False
     """The last frame is followed by the first."""
 

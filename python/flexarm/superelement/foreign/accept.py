@@ -80,10 +80,6 @@ def accept_matrices(
     name : str, optional
         Name of the part; that of the stiffness file if left out.
 
-    Returns
-    -------
-    SuperElement
-
     Raises
     ------
     InvalidFile
