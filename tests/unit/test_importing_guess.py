@@ -114,6 +114,19 @@ def test_units_gears_frames_and_clocks_follow_from_the_models_motion(logs):
     assert '"mode": unknown' in text
 
 
+def test_a_unit_with_which_the_model_meets_the_point_is_known(logs):
+    """Degrees of the output and radians of a motor at 80 : 1 move the model 57 / 80 as far, not alike."""
+    t = np.arange(0, 8, 0.02)
+    write_robot(logs, {f"q_{name}": np.degrees(q) for name, q in angles(t).items()}, t)
+    data, text = guessed(logs, "robot.csv", "tracker.csv")
+    signals = {each["name"]: each for each in data["signals"]}
+    for name in ("pan", "lift"):
+        assert signals[name]["unit"] == "deg"
+        assert "before_gear" not in signals[name]
+    assert "fits almost as well" not in text
+    assert text.count("with other units") == 2
+
+
 def test_what_is_proposed_can_be_imported_and_is_true(logs):
     guessed(logs, "robot.csv", "tracker.csv")
     record = flexarm.import_record(logs / "map.toml")

@@ -40,6 +40,8 @@ class Proposal:
     why: dict[str, str] = field(default_factory=dict)
     unknown: dict[str, str] = field(default_factory=dict)
     """By key the reason, and what is not known."""
+    rivals: tuple[Option, ...] = ()
+    """Other units with which the model moves about as far as measured."""
     out: bool = False
     """True if it is commented out, as the map could not be read with it."""
 

@@ -78,11 +78,13 @@ def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Ar
     ]
     if seen and not rate and len(options) > 1:
         found = sorted((_misfit(family, seen[0], arm, option), option) for option in options)
-        (best, chosen), (second, other) = found[0], found[1]
+        best, chosen = found[0]
         size = seen[0].track().size
         told = f"{seen[0].place[1]} of the model then moves by {_by(best, size)} rms, measured {size:.3g} m"
-        apart = second[0] - best[0] > alike
-        _say(family, chosen, told, "" if apart else f"{words_of(other)} fits almost as well")
+        rivals = tuple(option for misfit, option in found[1:] if misfit[0] - best[0] <= alike)
+        _say(family, chosen, told, f"{words_of(rivals[0])} fits almost as well" if rivals else "")
+        for proposal in family:
+            proposal.rivals = rivals
         return
     widest = [_widest(family, arm, option) for option in options]
     limit = pi * TURNS * (10 if rate else 1)

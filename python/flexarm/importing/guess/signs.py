@@ -51,7 +51,9 @@ def settle_signs(proposals: Sequence[Proposal], arm: Arm) -> None:
     if seen is not None and known and len(known) <= most_joints:
         joints = {p.place[1]: in_output(p, arm) for p in known}
         left = _leaves(arm, seen, joints)
-        _give_signs([Hypothesis(signs, None, left(signs)) for signs in _signs(known)], known, seen)
+        tried = [Hypothesis(signs, None, left(signs)) for signs in _signs(known)]
+        _exclude_units(min(h.left.rms for h in tried), known, seen, arm)
+        _give_signs(tried, known, seen)
     if seen is not None and counted and len(counted) <= most_joints:
         still, *tried = _tried_counts(arm, seen, known, counted)
         _give_counts(still, tried, counted, seen)
@@ -110,6 +112,25 @@ def _tried_counts(
         left = _leaves(arm, seen, here)
         for signs in _signs(counted) if option[0] != still else [{}]:
             yield Hypothesis(signs, option, left(signs))
+
+
+def _exclude_units(least: float, joints: Sequence[Proposal], seen: Proposal, arm: Arm) -> None:
+    """Drop other units of the joints where each leaves far more than the `least` with those taken."""
+    rivals = {option for proposal in joints for option in proposal.rivals}
+    if not rivals:
+        return
+    with_rivals = []
+    for option in rivals:
+        tracks = {p.place[1]: in_output(p, arm, option if option in p.rivals else None) for p in joints}
+        left = _leaves(arm, seen, tracks)
+        with_rivals.append(min(left(signs).rms for signs in _signs(joints)))
+    if least > NEARER * min(with_rivals):
+        return
+    for proposal in (p for p in joints if p.rivals):
+        proposal.unknown.pop("unit", None)
+        near = f"comes to within {_size(least)} rms, {_size(min(with_rivals))} with other units"
+        key = "unit" if "unit" in proposal.why else "before_gear"
+        proposal.why[key] += f"; {near}"
 
 
 def _give_signs(tried: Sequence[Hypothesis], joints: Sequence[Proposal], seen: Proposal) -> None:
