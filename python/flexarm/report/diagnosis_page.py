@@ -17,12 +17,12 @@ from flexarm.report.gap_tables import gap_tables
 from flexarm.report.law_figures import law_rows
 from flexarm.report.sentences import (
     FITS_TOO,
-    foretold_sentence,
     headline,
     hold_out_sentence,
     remarks_beside,
     rivals,
     stated_sentence,
+    unpredicted_sentence,
     verdict_sentence,
 )
 from flexarm.tables import toml_text
@@ -59,7 +59,7 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         headline=headline(d),
         early=ended_early(d.remarks),
         verdict=verdict_sentence(d),
-        foretold=foretold_sentence(d),
+        unpredicted=unpredicted_sentence(d),
         remarks=remarks_beside(d),
         hold_out=hold_out_sentence(d) if d.training else "",
         gaps=gap_tables(d),

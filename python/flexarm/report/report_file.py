@@ -14,7 +14,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from flexarm.configuration import config
 from flexarm.json_values import plain
-from flexarm.report.sentences import foretold_sentence, remarks_beside
+from flexarm.report.sentences import remarks_beside, unpredicted_sentence
 
 if TYPE_CHECKING:
     from flexarm.comparison.before_after import BeforeAfter
@@ -322,7 +322,7 @@ def _details(d: Diagnosis) -> dict[str, Any]:
         "hold_out_kind": d.hold_out_kind,
         "hold_out_why": d.hold_out_why,
         "remainder": d.remainder,
-        "remarks": [*filter(None, [foretold_sentence(d)]), *remarks_beside(d)],
+        "remarks": [*filter(None, [unpredicted_sentence(d)]), *remarks_beside(d)],
         "stages": [{"label": stage.label, "rms": stage.rms} for stage in d.stages],
         "constancy": d.constancy,
         "frames": {

@@ -152,7 +152,7 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
         if diagnosis.hold_out_kind == "blocks":
             return f"Fitted on {fitted} without {held_out}, which were never used to fit or to choose."
         article = "an" if diagnosis.hold_out_kind[:1] in "aeiou" else "a"
-        why = "" if foretold_sentence(diagnosis) else diagnosis.hold_out_why  # said beside the verdict
+        why = "" if unpredicted_sentence(diagnosis) else diagnosis.hold_out_why  # said beside the verdict
         return (
             f"Fitted on {fitted}; {held_out} was never used to fit or to choose, and is "
             f"{article} {diagnosis.hold_out_kind} of the training{f': {why}' if why else ''}."
@@ -160,7 +160,7 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
     return f"Fitted on {fitted}; nothing was held back."
 
 
-def foretold_sentence(diagnosis: Diagnosis) -> str:
+def unpredicted_sentence(diagnosis: Diagnosis) -> str:
     """Return what the model fails to predict of held-out data, and possible reasons; empty if nothing."""
     d, worst = diagnosis, diagnosis.unpredicted
     if worst is None:
@@ -187,7 +187,7 @@ def _times_noise(gap: HeldOutGap) -> str:
 
 def remarks_beside(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Remarks but for the one that stands beside the verdict."""
-    said = foretold_sentence(diagnosis)
+    said = unpredicted_sentence(diagnosis)
     return tuple(remark for remark in diagnosis.remarks if remark != said)
 
 

@@ -10,11 +10,11 @@ from flexarm.comparison.comparison import frame_words
 from flexarm.report.gap_tables import gap_tables
 from flexarm.report.law_figures import law_rows
 from flexarm.report.sentences import (
-    foretold_sentence,
     headline,
     hold_out_sentence,
     remarks_beside,
     stated_sentence,
+    unpredicted_sentence,
     verdict_sentence,
 )
 from flexarm.wording import interval, place_words, probability, signed, with_unit
@@ -31,7 +31,7 @@ def summary(diagnosis: Diagnosis) -> str:
         [
             f"{headline(diagnosis)}  [{diagnosis.verdict}]",
             *wrapped(verdict_sentence(diagnosis)),
-            *wrapped(foretold_sentence(diagnosis)),
+            *wrapped(unpredicted_sentence(diagnosis)),
         ],
         _laws(diagnosis),
         _effects(diagnosis),

@@ -49,15 +49,15 @@ def remarks_on_skipped(simulations: Mapping[str, SimulatedRecord]) -> Iterator[s
 
 
 def plausibility_doubts(
-    arm: Arm, records: Mapping[str, Record], borne_out: Mapping[str, Collection[str]] | None = None
+    arm: Arm, records: Mapping[str, Record], confirmed: Mapping[str, Collection[str]] | None = None
 ) -> tuple[str, ...]:
     """Report implausible values of the model and of each record.
 
-    `borne_out` has by record the drives whose angles places confirm, however far they turn.
+    `confirmed` has by record the drives whose angles places confirm, however far they turn.
     """
     found = [f"model: {problem}" for problem in implausible_sizes(arm)]
     for name, record in records.items():
-        sure = {f"signals.{drive}" for drive in (borne_out or {}).get(name, ())}
+        sure = {f"signals.{drive}" for drive in (confirmed or {}).get(name, ())}
         units = [problem for problem in unit_problems(record, arm) if problem.where not in sure]
         problems = [*units, *mismatched_durations(record), *implausible_values(record, arm)]
         found += [f"{name}: {problem}" for problem in problems]

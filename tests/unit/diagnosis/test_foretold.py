@@ -12,7 +12,7 @@ import flexarm
 from flexarm.diagnosis.prediction import TIMES, HeldOutGap, adequate_if_foretold
 from flexarm.effects import JointCompliance
 from flexarm.report.diagnosis import write
-from flexarm.report.sentences import foretold_sentence
+from flexarm.report.sentences import unpredicted_sentence
 
 
 def not_foretold(**changes):
@@ -29,11 +29,11 @@ SAID = (
 
 @pytest.mark.parametrize("make", [diagnoses.of_effects, diagnoses.adequate], ids=["effects", "adequate"])
 def test_what_is_foretold_is_not_remarked_upon(make):
-    assert foretold_sentence(make()) == ""
+    assert unpredicted_sentence(make()) == ""
 
 
 def test_what_is_left_stands_beside_noise_and_training():
-    assert foretold_sentence(not_foretold()).startswith(SAID)
+    assert unpredicted_sentence(not_foretold()).startswith(SAID)
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_what_is_left_stands_beside_noise_and_training():
     ],
 )
 def test_what_it_may_mean_depends_on_what_was_held_out(kind, why, said):
-    text = foretold_sentence(not_foretold(hold_out_kind=kind, hold_out_why=why))
+    text = unpredicted_sentence(not_foretold(hold_out_kind=kind, hold_out_why=why))
     assert said in text
     assert ("fault" in text) and (("flexarm check" in text) == (kind != "blocks"))
 
@@ -85,7 +85,7 @@ def test_a_signal_beside_the_main_one_is_told_too():
     torque = flexarm.compare(diagnoses.nominal(), diagnoses.record(3, 0.2), step=0.01).signals["tip"]
     odd = {**after["other"].signals, "torque": torque.__class__(**{**vars(torque), "name": "torque"})}
     d = diagnoses.of_effects(after={**after, "other": other.__class__(**{**vars(other), "signals": odd})})
-    assert "7.92 mm rms are left of 'torque', 112 times the noise. " in foretold_sentence(d)
+    assert "7.92 mm rms are left of 'torque', 112 times the noise. " in unpredicted_sentence(d)
 
 
 def test_no_model_is_adequate_that_does_not_foretell_another_machine():
