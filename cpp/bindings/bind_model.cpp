@@ -115,13 +115,17 @@ void bind_model(py::module_& m) {
       .def(py::init([](std::string name, ClosureType type, std::string a, std::string b, bool a_at_end,
                        bool b_at_end, const flexarm::geometry::Frame& a_origin,
                        const flexarm::geometry::Frame& b_origin, const Vector3d& axis,
-                       const Vector3d& second_axis) {
-             return Closure{std::move(name), type,     std::move(a), std::move(b), a_at_end,
-                            b_at_end,        a_origin, b_origin,     axis,         second_axis};
+                       const Vector3d& second_axis, std::vector<Hinge> mount,
+                       flexarm::joints::DriveTrain::Parallel bearing) {
+             return Closure{
+                 std::move(name), type,     std::move(a), std::move(b), a_at_end,         b_at_end,
+                 a_origin,        b_origin, axis,         second_axis,  std::move(mount), std::move(bearing)};
            }),
            py::kw_only(), py::arg("name"), py::arg("type"), py::arg("a"), py::arg("b"),
            py::arg("a_at_end") = false, py::arg("b_at_end") = false, py::arg("a_origin"), py::arg("b_origin"),
-           py::arg("axis"), py::arg("second_axis") = Vector3d::UnitX());
+           py::arg("axis"), py::arg("second_axis") = Vector3d::UnitX(),
+           py::arg("mount") = std::vector<Hinge>{},
+           py::arg("bearing") = flexarm::joints::DriveTrain::Parallel{});
   py::class_<Arm>(m, "Arm", "An arm as plain data.")
       .def(py::init([](std::string name, const Vector3d& gravity, std::vector<Link> links,
                        std::vector<Joint> joints, std::vector<Payload> payloads, std::vector<Point> points,

@@ -515,6 +515,16 @@ class Closure:
         b_origin: Frame,
         axis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
         second_axis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+        mount: collections.abc.Sequence[Hinge] = [],
+        bearing: collections.abc.Sequence[
+            ReducerSpring
+            | CableTorque
+            | ViscousFriction
+            | DahlFriction
+            | LugreFriction
+            | TabulatedTorque
+            | WoundSpring
+        ] = [],
     ) -> None: ...
 
 class Arm:

@@ -21,6 +21,7 @@ KEYS = (
     "links.rod.mass",
 )
 PIN = {"name": "coulomb_friction", "at": "boom_pin", "torque": 800.0}
+EYE = {"name": "coulomb_friction", "at": "rod_eye", "torque": 1500.0}
 COMPLIANCE = {"name": "joint_compliance", "at": "piston", "stiffness": 4e6, "damping": 2e4}
 
 
@@ -206,6 +207,7 @@ def test_a_crane_in_which_nothing_is_hidden_is_adequate(seed):
     [
         (crane(effects=[COMPLIANCE]), "joint_compliance", "piston"),
         (crane(effects=[PIN]), "coulomb_friction", "boom_pin"),
+        (crane(effects=[EYE]), "coulomb_friction", "rod_eye"),
         (softer(200e9), "link_stiffness", "boom"),
         (loaded(520.0), "payload_mass", "load"),
     ],

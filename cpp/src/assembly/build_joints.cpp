@@ -56,12 +56,17 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
     joint_coordinates_.push_back(at);
   }
   std::size_t next = 0;
-  for (const auto* chain : hinge_chains()) {
-    for (const model::Hinge& hinge : *chain) {
+  for (const auto& chain : hinge_chains()) {
+    for (const model::Hinge& hinge : chain) {
       HingeCoordinates& at = hinges_[next++];
       at.theta = static_cast<int>(scalars.size());
       scalars.push_back({0, true});
-      laws_.push_back({joints::ReducerSpring{hinge.stiffness, hinge.damping}, at.theta, -1});
+      if (hinge.laws.empty())
+        laws_.push_back({joints::ReducerSpring{hinge.stiffness, hinge.damping}, at.theta, -1});
+      for (const auto& law : hinge.laws) {
+        const bool alone = joints::second_argument(law) == joints::Of::torque;
+        laws_.push_back({law, at.theta, -1, alone ? -1 : at.theta});
+      }
     }
   }
   for (const PlacedLaw& law : laws_) joints::check(law.law);
@@ -94,28 +99,30 @@ void System::place_superelements() {
   }
 }
 
-/// Of the pedestal first, then of every joint.
-std::vector<const std::vector<model::Hinge>*> System::hinge_chains() const {
-  std::vector<const std::vector<model::Hinge>*> chains;
-  if (arm_.pedestal) chains.push_back(&arm_.pedestal->hinges);
-  for (const model::Joint& joint : arm_.joints) chains.push_back(&joint.mount);
+/// Of the pedestal first, then of every joint, then of every closure.
+std::vector<std::vector<model::Hinge>> System::hinge_chains() const {
+  std::vector<std::vector<model::Hinge>> chains;
+  if (arm_.pedestal) chains.push_back(arm_.pedestal->hinges);
+  for (const model::Joint& joint : arm_.joints) chains.push_back(joint.mount);
+  for (const model::Closure& closure : arm_.closures) chains.push_back(closure.hinges());
   return chains;
+}
+
+int System::carry(const std::vector<model::Hinge>& chain, std::size_t first_hinge, int node, Frame X,
+                  std::vector<joints::JointConstraint>& into) const {
+  for (const model::Hinge& hinge : chain) {
+    const HingeCoordinates& at = hinges_[first_hinge++];
+    into.emplace_back(JointType::revolute, node, X, at.node, Frame{}, hinge.axis, at.theta);
+    node = at.node;
+    X = Frame{};
+  }
+  return node;
 }
 
 void System::place_joints() {
   std::vector<joints::JointConstraint> of_hinges;
-  /// A chain of hinges from a frame on a node; returns the node that it carries.
-  const auto carried = [&](const std::vector<model::Hinge>& chain, int node, Frame X) {
-    for (const model::Hinge& hinge : chain) {
-      const HingeCoordinates& at = hinges_[of_hinges.size()];
-      of_hinges.emplace_back(JointType::revolute, node, X, at.node, Frame{}, hinge.axis, at.theta);
-      node = at.node;
-      X = Frame{};
-    }
-    return node;
-  };
   if (arm_.pedestal) {
-    pedestal_.node = carried(arm_.pedestal->hinges, joints::JointConstraint::ground, Frame{});
+    pedestal_.node = carry(arm_.pedestal->hinges, 0, joints::JointConstraint::ground, Frame{}, of_hinges);
     pedestal_.shaking = *arm_.pedestal;
     for (std::size_t k = 0; k < of_hinges.size(); ++k) {
       pedestal_.thetas.push_back(hinges_[k].theta);
@@ -135,7 +142,7 @@ void System::place_joints() {
     }
     reach_ += joint.origin.x.norm();
     if (!joint.mount.empty()) {
-      node_a = carried(joint.mount, node_a, X_a);
+      node_a = carry(joint.mount, of_hinges.size(), node_a, X_a, of_hinges);
       X_a = Frame{};
     }
     constraints_.emplace_back(joint.type, node_a, X_a, node(child), axes(child), joint.axis,

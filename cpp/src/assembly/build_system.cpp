@@ -85,9 +85,12 @@ void require_finite(const model::Arm& arm) {
       require_finite("mount of joint '" + j.name + "'", h.axis, h.stiffness, h.damping);
   }
   for (const auto& g : arm.gears) require_finite("gear '" + g.name + "'", g.ratio);
-  for (const auto& c : arm.closures)
+  for (const auto& c : arm.closures) {
     require_finite("closure '" + c.name + "'", c.a_origin.R, c.a_origin.x, c.b_origin.R, c.b_origin.x, c.axis,
                    c.second_axis);
+    for (const auto& h : c.mount)
+      require_finite("mount of closure '" + c.name + "'", h.axis, h.stiffness, h.damping);
+  }
   if (const auto& p = arm.pedestal) {
     require_finite("pedestal", p->axis, p->amplitude, p->frequency, p->phase);
     for (const auto& h : p->hinges) require_finite("pedestal", h.axis, h.stiffness, h.damping);
@@ -120,8 +123,8 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
     side(closure.b, closure.b_at_end, closure.b_origin);
   }
   mesh_links(occupied);
-  for (const auto* chain : hinge_chains()) {
-    for (std::size_t k = 0; k < chain->size(); ++k) hinges_.push_back({n_nodes_++});
+  for (const auto& chain : hinge_chains()) {
+    for (std::size_t k = 0; k < chain.size(); ++k) hinges_.push_back({n_nodes_++});
   }
   place_scalars(drives);
   place_joints();

@@ -43,35 +43,6 @@ constexpr double drive_step = 0.1;
 
 }  // namespace
 
-void System::place_closures() {
-  struct Side {
-    int link = -1, node = joints::ClosureConstraint::ground;
-    Frame X;
-  };
-  const auto side = [&](const std::string& name, bool at_end, const Frame& origin) {
-    if (name == "base") return Side{-1, pedestal_.node, origin};
-    const Place at = place(name, at_end);
-    const auto* beam = std::get_if<model::BeamLink>(&arm_.links[at.link]);
-    if (at_end && beam == nullptr) throw InvalidParameter("only a beam has an end, '" + name + "' is none");
-    const Vector3d position = origin.x + (at_end ? beam->end : Vector3d::Zero().eval());
-    const Attachment on = attach(meshes_[at.link], position, true, at.node);
-    return Side{at.link, on.node, on.offset * Frame::rotation(origin.R)};
-  };
-  for (const model::Closure& closure : arm_.closures) {
-    try {
-      const Side a = side(closure.a, closure.a_at_end, closure.a_origin);
-      const Side b = side(closure.b, closure.b_at_end, closure.b_origin);
-      if (a.link == b.link) throw InvalidParameter("both ends are on one link, which closes no loop");
-      closures_.add(closure.name,
-                    {closure.type, a.node, a.X, b.node, b.X, closure.axis, closure.second_axis, reach_});
-      loop_ends_.emplace_back(a.link, b.link);
-    } catch (const InvalidParameter& mistake) {
-      throw InvalidParameter("closure '" + closure.name + "': " + mistake.what());
-    }
-  }
-  n_constraints_ += closures_.rows();
-}
-
 std::vector<int> System::chain_to(int link) const {
   std::vector<int> chain;
   while (link >= 0) {
@@ -88,7 +59,7 @@ std::vector<int> System::chain_to(int link) const {
 
 /// The conditions, then those of gears between joints of loops.
 VectorXd System::loop_gap(const std::vector<double>& joint_values) const {
-  VectorXd g = closures_.gap(placed(joint_values).frames);
+  VectorXd g = rigid_closures_.gap(placed(joint_values).frames);
   for (const model::Gear& gear : arm_.gears) {
     const int in = joint_index(gear.input), out = joint_index(gear.output);
     if (!in_loop_[in]) continue;
@@ -105,8 +76,8 @@ MatrixXd System::loop_jacobian(const std::vector<double>& joint_values,
   const auto columns = static_cast<Eigen::Index>(unknowns.size());
   MatrixXd G = MatrixXd::Zero(loop_gap(joint_values).size(), columns);
   int row = 0;
-  for (std::size_t k = 0; k < closures_.size(); ++k) {
-    const joints::ClosureConstraint& closure = closures_[k];
+  for (std::size_t k = 0; k < rigid_closures_.size(); ++k) {
+    const joints::ClosureConstraint& closure = rigid_closures_[k];
     const auto J = closure.jacobian(frame(state, closure.node_a()), frame(state, closure.node_b()));
     const auto add = [&](int link, int node, const joints::ClosureConstraint::Rows& rows) {
       for (const int j : chain_to(link)) {
@@ -140,9 +111,9 @@ MatrixXd System::loop_jacobian(const std::vector<double>& joint_values,
 
 bool System::right_way(const std::vector<double>& joint_values) const {
   const State state = placed(joint_values);
-  for (std::size_t k = 0; k < closures_.size(); ++k) {
-    if (!closures_[k].right_way(frame(state, closures_[k].node_a()), frame(state, closures_[k].node_b())))
-      return false;
+  for (std::size_t k = 0; k < rigid_closures_.size(); ++k) {
+    const joints::ClosureConstraint& closure = rigid_closures_[k];
+    if (!closure.right_way(frame(state, closure.node_a()), frame(state, closure.node_b()))) return false;
   }
   return true;
 }
@@ -220,9 +191,9 @@ void System::refuse(const std::vector<double>& nearest, const std::vector<int>& 
   std::size_t worst = 0;
   double largest = -1;
   std::vector<joints::ClosureConstraint::Apart> apart;
-  for (std::size_t k = 0; k < closures_.size(); ++k) {
-    apart.push_back(
-        closures_[k].apart(frame(state, closures_[k].node_a()), frame(state, closures_[k].node_b())));
+  for (std::size_t k = 0; k < rigid_closures_.size(); ++k) {
+    const joints::ClosureConstraint& closure = rigid_closures_[k];
+    apart.push_back(closure.apart(frame(state, closure.node_a()), frame(state, closure.node_b())));
     const double size = apart[k].distance + reach_ * apart[k].angle;
     if (size > largest) worst = k;
     largest = std::max(largest, size);

@@ -75,6 +75,7 @@ State System::placed(const std::vector<double>& joint_values) const {
       throw InvalidParameter("link '" + model::name_of(arm_.links[k]) +
                              "' is not connected to the base by joints");
   }
+  place_hinges_of_closures(state);
   remember(state);
   return state;
 }

@@ -94,6 +94,12 @@ bool ClosureConstraint::right_way(const Frame& H_a, const Frame& H_b) const {
                      [&](const auto& pair) { return pair.first.dot(at.R * pair.second) > 0; });
 }
 
+double ClosureConstraint::turn(const Frame& H_a, const Frame& H_b) const {
+  const Vector3d &e1 = conditions_[3].e, &e2 = conditions_[4].e;
+  const Vector3d turned = place(H_a, H_b).R * e1;
+  return std::atan2(e2.dot(turned), e1.dot(turned));
+}
+
 ClosureConstraint::Rows ClosureConstraint::on_b(const Placement& at) const {
   Rows J(size(), 6);
   for (int i = 0; i < size(); ++i) {

@@ -84,6 +84,7 @@ void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
   for (const Eigen::Index last = std::min(k_ + n_steps, n_steps_); k_ < last;) {
     stepper_.advance(state_, options_.step, hold);
     state_.t = options_.start + static_cast<double>(++k_) * options_.step;  // no drift from adding up
+    system_.closures().check(state_.frames, system_.reach(), state_.t);
     recorder_.record(k_, state_, stepper_.loads());
     if (companion_.record) companion_.record(k_, state_, stepper_.loads());
   }

@@ -86,6 +86,7 @@ Moment Stepping::advance(const Moment& from, const std::vector<JointInput>& inpu
   stepper_.advance(next.state, step_, drives);
   for (const Path& path : driven) next.state.a[system_.scalar_offset() + path.coordinate] = path.end.a;
   next.state.t = static_cast<double>(next.steps) * step_;  // no drift from adding up
+  system_.closures().check(next.state.frames, system_.reach(), next.state.t);
   next.memory = stepper_.memory();
   return next;
 }

@@ -81,6 +81,39 @@ TEST_CASE("A drive more than the loop lets move, and a pose in line, are said") 
   CHECK(system.joints_to_hold({0}, {2, 1}).empty());
 }
 
+TEST_CASE("A bearing gives a closure a pin that stands as its triangle demands") {
+  for (auto arm : {crane_arm(), rigid_crane_arm()}) {
+    const int redundant = System(arm, by_cylinder).closures().redundant();
+    arm.closures[0].bearing = {flexarm::joints::ViscousFriction{5.0}};
+    const System system(arm, by_cylinder);
+    CHECK(system.closures().redundant() == redundant);
+    REQUIRE(system.hinges().size() == 1);
+    for (const double stroke : {-0.1, 0.4, 0.8}) {
+      const State state = system.rigid_state({0, 0, stroke});
+      VectorXd phi(system.n_constraints());
+      system.violation(state, phi);
+      CHECK(phi.lpNorm<Eigen::Infinity>() < 1e-12);
+      const auto angle = [&](int joint) { return state.s[system.joints()[joint].theta]; };
+      CHECK(state.s[system.hinges()[0].theta] == near(angle(0) - angle(1), 1e-12));  // boom over cylinder
+    }
+  }
+}
+
+TEST_CASE(
+    "A mount of a closure is undeflected before the arm is loaded, and a spherical closure has no bearing") {
+  auto arm = crane_arm();
+  arm.closures[0].mount = {{.axis = Vector3d::UnitX(), .stiffness = 1e5},
+                           {.axis = Vector3d::UnitZ(), .stiffness = 2e5}};
+  arm.closures[0].bearing = {flexarm::joints::ViscousFriction{5.0}};
+  const System system(arm, by_cylinder);
+  const State state = system.rigid_state({0, 0, 0.4});
+  VectorXd phi(system.n_constraints());
+  system.violation(state, phi);
+  CHECK(phi.lpNorm<Eigen::Infinity>() < 1e-12);
+  arm.closures[0].type = ClosureType::spherical;
+  CHECK_THROWS_AS(System(arm, by_cylinder), InvalidParameter);
+}
+
 TEST_CASE("Ends on one link are refused") {
   auto arm = crane_arm();
   arm.closures[0].a = "boom";

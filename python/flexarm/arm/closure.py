@@ -77,11 +77,7 @@ def refuse_closures(arm: Arm, what: str) -> None:
     """
     if arm.closures:
         names = ", ".join(closure.name for closure in arm.closures)
-        raise InvalidParameter(
-            f"{what} does not take closures yet, the model has {names}; static, modes, simulate, compare, "
-            "calibrate and diagnose do",
-            where="closures",
-        )
+        raise InvalidParameter(f"{what} does not take closures yet, the model has {names}", where="closures")
 
 
 def loop_joints(arm: Arm) -> tuple[str, ...]:

@@ -13,6 +13,8 @@ from flexarm.tables.field import Path
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
+    from flexarm.arm.closure import Closure
+    from flexarm.arm.effect import Effect
 
 Found = Iterable[tuple[Path, str]]
 
@@ -235,14 +237,24 @@ def _drives(arm: Arm) -> Found:
 
 def _effects(arm: Arm) -> Found:
     names = {kind: places(arm, kind) for kind in {effect.place for effect in arm.effects}}
-    closures = {closure.name for closure in arm.closures}
+    closures = {closure.name: closure for closure in arm.closures}
     for i, effect in enumerate(arm.effects):
-        known = names[effect.place]
-        if known is not None and effect.at not in known:
-            kind = "moving joint" if effect.place == "joint" else effect.place
-            what = missing(kind, effect.at, known)
-            if effect.at in closures:
-                what = f"{effect.at!r} is a closure; effects act at joints of the tree, so cut elsewhere"
-            yield ("effects", i, "at"), what
-        else:
+        known, closure = names[effect.place], closures.get(effect.at)
+        at_closure = closure is not None and closure.type == "revolute" and effect.at_closures
+        if known is None or effect.at in known or at_closure:
             yield from ((("effects", i, key), what) for key, what in effect.problems(arm))
+        elif closure is not None:
+            yield ("effects", i, "at"), _not_at_closure(effect, closure)
+        else:
+            kind = "moving joint" if effect.place == "joint" else effect.place
+            yield ("effects", i, "at"), missing(kind, effect.at, known)
+
+
+def _not_at_closure(effect: Effect, closure: Closure) -> str:
+    """Sentence on an effect that does not act at a closure."""
+    if effect.at_closures:
+        return f"{closure.name!r} is a {closure.type} closure; {effect.name} acts at a revolute one"
+    return (
+        f"{closure.name!r} is a closure, where {effect.name} does not act; "
+        "cut the loop elsewhere, so that this is a joint of the tree"
+    )

@@ -281,6 +281,8 @@ def _closure(closure: Closure, machine: Machine) -> _core.Closure:
         b_origin=origins["b"],
         axis=np.array(closure.axis),
         second_axis=np.array(closure.across),
+        mount=core_hinges(machine.mounts[closure.name]),
+        bearing=machine.drive_trains[closure.name].bearing,
     )
 
 

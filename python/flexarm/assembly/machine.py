@@ -124,8 +124,9 @@ class Base:
 class Machine:
     """An arm's data, by name, in the order of the model; `arm` is the model itself.
 
-    `mounts` are hinges between a joint and its parent, axes in the joint's frame. `ends` are the places of
-    closures by their name and "a" or "b", without those measured from the far end of a beam.
+    `mounts` are hinges between a joint and its parent, axes in the joint's frame. A closure has a mount on
+    its side a too, and of a drive train the output bearing. `ends` are the places of closures by their name
+    and "a" or "b", without those measured from the far end of a beam.
     """
 
     arm: Arm
@@ -138,7 +139,7 @@ class Machine:
     ends: dict[tuple[str, str], Place] = field(default_factory=dict)
 
     def mount(self, joint: str, springs: Iterable[Spring]) -> None:
-        """Put hinges between a joint and its parent, one behind the other."""
+        """Put hinges between a joint (or closure) and its parent, one behind the other."""
         self.mounts[joint] = [Hinge(*spring) for spring in springs]
 
 
@@ -152,10 +153,12 @@ def machine_of(arm: Arm) -> Machine:
 
 def nominal_machine(arm: Arm) -> Machine:
     """Return the machine without effects."""
+    trains = {joint.name: DriveTrain(joint.gear_ratio, joint.rotor_inertia) for joint in arm.joints}
+    trains |= {closure.name: DriveTrain() for closure in arm.closures}
     return Machine(
         arm=arm,
-        drive_trains={joint.name: DriveTrain(joint.gear_ratio, joint.rotor_inertia) for joint in arm.joints},
-        mounts={joint.name: [] for joint in arm.joints},
+        drive_trains=trains,
+        mounts={name: [] for name in trains},
         payloads={
             load.name: Load(load.link, load.position, load.mass, inertia_matrix(load.inertia))
             for load in arm.payloads

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.arm.closure import refuse_closures
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import stated_placement
@@ -192,7 +191,6 @@ def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
     NotConverged
         If there is no stable equilibrium.
     """
-    refuse_closures(arm, "compare")
     record.check_against(arm)
     carried = record.applied_to(arm)
     found = modes(carried, dict(record.joints), count=MODES).frequency_hz.tolist()

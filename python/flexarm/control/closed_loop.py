@@ -14,7 +14,6 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
-from flexarm.arm.closure import refuse_closures
 from flexarm.arm.controller import Controller
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, read_only
@@ -93,7 +92,6 @@ def simulate_closed_loop(
     >>> command = Drive.from_samples([0, 1, 2], {"hinge": [0, 0.1, 0.1]}, side="command")  # doctest: +SKIP
     >>> run = simulate_closed_loop(arm, command)  # doctest: +SKIP
     """
-    refuse_closures(arm, "a run under controllers")
     _core.check_step(step)
     record = drive if isinstance(drive, Record) else None
     if isinstance(drive, Record):

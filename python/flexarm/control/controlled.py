@@ -79,7 +79,7 @@ class ControlledArm:
         )
 
     def _assembled(self, kinds: Mapping[str, _core.DriveKind]) -> _core.System:
-        return assemble(with_losses(self.arm, self.losses), kinds)
+        return assemble(with_losses(self.arm, self.losses), kinds, driven=self.drive.rest)
 
     @property
     def motions(self) -> list[_core.PiecewisePolynomial]:

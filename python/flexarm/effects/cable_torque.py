@@ -28,6 +28,7 @@ class CableTorque(Effect):
 
     name: ClassVar[str] = "cable_torque"
     torque_at = "output"
+    at_closures = True
     stiffness: Number = value_in("N m/rad", "stiffness of the cables", 0.0, ge=0)
     rest_angle: Number = value_in("rad", "angle of the joint where they pull at nothing", 0.0)
 

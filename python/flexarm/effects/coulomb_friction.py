@@ -30,6 +30,7 @@ class CoulombFriction(FrictionEffect):
 
     name: ClassVar[str] = "coulomb_friction"
     torque_at = "output"
+    at_closures = True
     in_motion = ("torque", *FrictionEffect.shape)
     non_negative = ("torque",)
     torque: Number = value_in("N m", "friction torque at the output bearing", 0.0, ge=0)

@@ -5,8 +5,9 @@ r"""Tilt of a joint: its bearing gives about the two axes across the joint's own
 \psi_i [rad] turns the joint about its own origin, with its axis and all that it carries, relative to its
 parent; M_i [N m] is the moment that the joint takes about that axis. The first of the two is the x axis of
 the joint's frame made normal to the joint's own axis (y where that is along x), the second is the joint's
-axis times the first. They are fixed to the parent. The bearing itself has no mass. An arm that moves in a
-plane loads no bearing across it: there this changes nothing but the modes that leave the plane.
+axis times the first. They are fixed to the parent; a closure's are fixed at a. The bearing itself has no
+mass. An arm that moves in a plane loads no bearing across it: there this changes nothing but the modes that
+leave the plane.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ class JointTiltCompliance(SpringEffect):
 
     name: ClassVar[str] = "joint_tilt_compliance"
     leaves_plane = True
+    at_closures = True
     always_turns = True
     typical_stiffness = 2e5
     hardly_softer: ClassVar[float] = 100.0
@@ -44,7 +46,9 @@ class JointTiltCompliance(SpringEffect):
 
     def patch(self, machine: Machine) -> None:
         """Put two hinges between the parent and the joint, eq. (1)."""
-        axes = across(machine.arm.joint(self.at).axis)
+        pins = {joint.name: joint.axis for joint in machine.arm.joints}
+        pins |= {closure.name: closure.axis for closure in machine.arm.closures}
+        axes = across(pins[self.at])
         machine.mount(self.at, self.soft_about(axes))  # eq. (1)
 
     def trials(

@@ -39,6 +39,7 @@ class LugreFriction(Effect):
     name: ClassVar[str] = "lugre_friction"
     competes = False
     torque_at = "output"
+    at_closures = True
     varies_with = "rate"
     coulomb: Number = value_in("N m", "torque of the friction while it slips", gt=0)
     breakaway: Number = value_in("N m", "torque at which it gives way, at least coulomb", gt=0)

@@ -59,6 +59,7 @@ class TabulatedLaw(Effect):
 
     name: ClassVar[str] = "tabulated_law"
     competes = False
+    at_closures = True
     quantity: Literal["windup", "torque", "curvature", "force"] = Field(description='"windup" or "torque"')
     of: Literal["angle", "rate", "torque", "motor_angle"] = Field(
         description='"angle", "rate", "torque" or "motor_angle"'
@@ -117,6 +118,8 @@ class TabulatedLaw(Effect):
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
         """Refuse windups that would turn the output back, or leave the spring without stiffness."""
+        if self.quantity == "windup" and self.at in [closure.name for closure in arm.closures]:
+            yield "quantity", f'must be "torque" at a closure, which has no spring, got "{self.quantity}"'
         if self.quantity != "windup" or self.of not in ("motor_angle", "torque"):
             return
         low, high = self.table().slopes()

@@ -27,6 +27,7 @@ class ViscousFriction(Effect):
 
     name: ClassVar[str] = "viscous_friction"
     torque_at = "output"
+    at_closures = True
     in_motion = ("coefficient",)
     one_signed = True
     non_negative = ("coefficient",)

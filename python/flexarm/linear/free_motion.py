@@ -22,7 +22,6 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
-from flexarm.arm.closure import refuse_closures
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, joint_values
 from flexarm.linear.modal_form import Mechanics, modal_form
@@ -82,14 +81,13 @@ def free_motion(arm: Arm, joints: Mapping[str, float], count: int) -> FreeMotion
 
     Raise NotConverged if there is no stable equilibrium.
     """
-    refuse_closures(arm, "a free vibration")
-    held = assemble(arm)
+    driven = sorted(ports(arm, {}, joints)[1])
+    held = assemble(arm, driven={*joints, *driven})
     values = joint_values(arm, joints)
     at = _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(arm.gravity)))
     system = assemble(arm, {joint.name: _core.DriveKind.torque for joint in arm.moving_joints})
     equilibrium = _core.released(held, at, system)
     rows = dict(zip((joint.name for joint in arm.joints), _core.joint_coordinates(system), strict=True))
-    driven = sorted(ports(arm, {})[1])
     motion = tangent(system, equilibrium, [rows[name][1] for name in driven])
     M, C, K = (motion.N.T @ X @ motion.N for X in (motion.M, motion.C, motion.K))
     form = modal_form(Mechanics(M, C, K, np.zeros((3, len(M), 0))), count)

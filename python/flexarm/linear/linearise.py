@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from flexarm.arguments import ARM, COUNT, ITEMS, PAIRS, VALUES, takes
 from flexarm.arm import Arm
-from flexarm.arm.closure import refuse_closures
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import frozen
 from flexarm.errors import InvalidParameter
@@ -38,8 +37,9 @@ def linearise(
     inputs : dict or pairs of str to str, optional
         At a joint "angle" (of the motor over the ratio), "acceleration" (of that angle, which then is a state
         like its rate), "torque" (of the motor times the ratio), "free" or "locked"; at a point "force" (three
-        inputs, base axes). Joints left out are locked. Default: every motor's angle, or its acceleration
-        where an output follows the angle's derivatives at once, as torques, rates and accelerations do.
+        inputs, base axes). Joints left out are locked, but for those of closed loops that follow. Default:
+        every motor's angle, or its acceleration where an output follows the angle's derivatives at once, as
+        torques, rates and accelerations do.
     outputs : iterable of str or Sensor, optional
         Sensors, or names of the model's sensors, of points (their position) and of joints (the link's angle).
         Default: the model's sensors, without noise, delay or errors; without sensors all joints and points.
@@ -58,10 +58,9 @@ def linearise(
     >>> model = flexarm.linearise(arm, {"hinge": 0.5}, inputs={"hinge": "torque"})  # doctest: +SKIP
     >>> model.save("arm.mat")  # doctest: +SKIP
     """
-    refuse_closures(arm, "linearise")
     if modes is not None and modes < 0:
         raise InvalidParameter(f"must not be negative, got {modes}", where="modes")
-    asked, locked = ports(arm, inputs)
+    asked, locked = ports(arm, inputs, joints or {})
     sensors = readable(arm, outputs)
     if not sensors:
         raise InvalidParameter("are none: the model has neither sensors, points nor moving joints")

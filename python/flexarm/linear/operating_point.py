@@ -12,7 +12,7 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
-from flexarm.assembly import assemble, joint_values
+from flexarm.assembly import assemble, following_joints, joint_values
 from flexarm.errors import InvalidParameter
 from flexarm.linear.modal_form import Mechanics, ModalForm, modal_form
 from flexarm.linear.outputs import Derivatives, derivatives
@@ -28,7 +28,7 @@ class OperatingPoint:
     arm: Arm
     asked: list[Port]
     values: list[float]
-    """Drive angles of all joints."""
+    """Drive angles of all joints; of those of loops that follow, the angles of their links."""
     holding: Floats
     """Torques that hold them, shape (joint,)."""
     rows: list[tuple[int, int]]
@@ -51,9 +51,12 @@ class OperatingPoint:
     ) -> OperatingPoint:
         """Return the arm at rest under its weight, drives held; `locked` joints are held and no input."""
         loaded = [port.place for port in asked if port.kind == "force"]
-        held = assemble(arm, loaded=loaded)
+        stand = {*joints, *locked, *(port.place for port in asked if port.kind != "force")}
+        held = assemble(arm, loaded=loaded, driven=stand)
         values = joint_values(arm, joints)
         at = _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(arm.gravity)))
+        follow, found = following_joints(arm, (), stand), _core.joint_angles(held, at.state)
+        values = [found[i] if joint.name in follow else values[i] for i, joint in enumerate(arm.joints)]
         system = assemble(
             arm, {joint.name: _core.DriveKind.torque for joint in arm.moving_joints}, loaded=loaded
         )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
+from flexarm.assembly import following_joints
 from flexarm.errors import InvalidParameter
 
 KINDS = ("angle", "acceleration", "torque", "free", "locked", "force")
@@ -40,18 +41,19 @@ class Port:
         return (slides if self.slides else turns)[self.kind]
 
 
-def ports(arm: Arm, asked: Asked | None) -> tuple[list[Port], set[str]]:
+def ports(arm: Arm, asked: Asked | None, held: Iterable[str] = ()) -> tuple[list[Port], set[str]]:
     """Return the inputs in their order, and the joints whose motors are held without being one.
 
     `asked` has the kind of input at joints and points; joints left out are locked. Default: the drive of
-    every moving joint, without outputs of gears.
+    every moving joint, without outputs of gears. Joints of loops that are neither asked nor `held` follow.
 
     Raise InvalidParameter if there is no such joint, point or kind, or one is asked twice.
     """
     moving = {joint.name: joint.type == "prismatic" for joint in arm.moving_joints}
     geared = {gear.output for gear in arm.gears}
     if asked is None:
-        return [Port("drive", name, slides=moving[name]) for name in moving if name not in geared], set()
+        left_out = geared | set(following_joints(arm, (), held))
+        return [Port("drive", name, slides=moving[name]) for name in moving if name not in left_out], set()
     pairs = list(asked.items()) if isinstance(asked, Mapping) else list(asked)
     found: list[Port] = []
     told: set[str] = set()
@@ -68,6 +70,8 @@ def ports(arm: Arm, asked: Asked | None) -> tuple[list[Port], set[str]]:
         if new and new[0] in found:
             raise InvalidParameter("is given twice", where=f"inputs.{name}")
         found += new
+    stand = {name for name, kind in pairs if kind not in ("free", "force")} | set(held)
+    told |= set(following_joints(arm, (), stand))
     return found, {name for name in moving if name not in told | _behind_gears(arm, told)}
 
 

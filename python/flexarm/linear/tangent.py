@@ -4,8 +4,8 @@ Coordinates x of all nodes and joints, motors' angles included, move as
 
 .. math:: M x'' + C x' + K x + J^T \lambda = F u,   J x = 0                                          (1)
 
-with the true tangent K (geometric stiffness and gravity in it). Motions that joints and gears allow, in which
-the angles w of driven motors are coordinates of their own, are
+with the true tangent K (geometric stiffness and gravity in it). Motions that joints, gears and closures
+allow, in which the angles w of driven motors are coordinates of their own, are
 
 .. math:: x = N z + G w,   J N = 0,   J G = 0,   N_{driven} = 0,   (G w)_{driven} = w                (2)
 
@@ -70,7 +70,9 @@ def tangent(system: _core.System, equilibrium: _core.Equilibrium, driven: Sequen
     allowed = _null_space(J)
     selected = allowed[list(driven)]
     if np.linalg.matrix_rank(selected, tol=_RANK) < len(driven):
-        raise InvalidParameter("driven joints depend on one another through gears; drive fewer of them")
+        raise InvalidParameter(
+            "driven joints depend on one another through gears or closures; drive fewer of them"
+        )
     N = allowed @ _null_space(selected)
     N[list(driven)] = 0
     G = _quasi_static(N, allowed @ np.linalg.pinv(selected), K)

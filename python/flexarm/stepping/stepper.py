@@ -20,11 +20,10 @@ from numpy.typing import ArrayLike
 from flexarm import _core
 from flexarm.arguments import ARM, NAMES, NUMBER, TEXTS, VALUES, VECTORS, require, takes
 from flexarm.arm import Arm
-from flexarm.arm.closure import refuse_closures
 from flexarm.arm.consistency import missing
 from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arrays import Floats
-from flexarm.assembly import assemble, joint_values, point_loads
+from flexarm.assembly import assemble, following_joints, joint_values, point_loads
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.state_snapshots import StateSnapshots
 from flexarm.stepping.inputs import Input, Inputs
@@ -43,7 +42,7 @@ class Stepper:
     told : dict of str to {"motor", "output", "torque", "free"}
         What each joint is told: the motor's angle over the ratio, the link's own angle, the motor's torque
         times the ratio, or nothing. Joints left out stay where they start; those that a gear couples to a
-        told one follow it.
+        told one follow it, and so do joints of closed loops.
     forces : collection of str
         Points that forces will act on; on a beam they get a node of their own.
     step : float
@@ -73,7 +72,6 @@ class Stepper:
         step: float = 2e-3,
         alpha: float = -0.05,
     ) -> None:
-        refuse_closures(arm, "a Stepper")
         if late := [e for e in arm.effects if isinstance(e, DriveEffect) and e.at in told and any(e.lag())]:
             raise InvalidParameter(
                 f"{late[0].name} at {late[0].at!r}: the joints of a stepper follow their inputs at once; "
@@ -88,6 +86,7 @@ class Stepper:
         point_loads(arm, {name: np.zeros(3) for name in forces})
         self._forces = tuple(forces)
         self._system = assemble(arm, self._inputs.kinds(), loaded=self._forces)
+        self._following = following_joints(arm, self._inputs.kinds(), ())
         self._core = _core.Stepping(self._system, float(step), float(alpha))
         self._key = self._hash()
         self._step = float(step)
@@ -125,6 +124,12 @@ class Stepper:
         NotConverged
             If there is no stable equilibrium.
         """
+        if led := [name for name in joints or {} if name in self._following]:
+            raise InvalidParameter(
+                f"follows in its loop, with {', '.join(self._following)}; tell this joint something, or "
+                "leave it out",
+                where=f"joints.{led[0]}",
+            )
         system = assemble(self._arm, self._inputs.kinds(held=True), loaded=self._forces)
         points = self._loads({} if forces is None else forces)
         loads = _core.Loads(gravity=np.array(self._arm.gravity), points=points)

@@ -33,12 +33,16 @@ class System : public SystemIn<3> {
   void place_scalars(const std::map<std::string, DriveKind>& drives);
   void place_superelements();
   void place_joints();
-  std::vector<const std::vector<model::Hinge>*> hinge_chains() const;
+  std::vector<std::vector<model::Hinge>> hinge_chains() const;
+  /// Puts constraints of a chain of hinges from a frame on a node; returns the node that it carries.
+  int carry(const std::vector<model::Hinge>& chain, std::size_t first_hinge, int node, Frame X,
+            std::vector<joints::JointConstraint>& into) const;
   void place_gears();
   void place_transmissions();
   void place_masses();
   void place_closures();
   State placed(const std::vector<double>& joint_values) const;  // the tree alone
+  void place_hinges_of_closures(State& state) const;
   void close_loops();
   std::vector<int> chain_to(int link) const;  // joints from a link to the base
   VectorXd loop_gap(const std::vector<double>& joint_values) const;
@@ -62,8 +66,10 @@ class System : public SystemIn<3> {
   Frame axes(const Place& place) const { return meshes_[place.link].place_axes(place.node); }
 
   model::Arm arm_;
-  std::vector<std::pair<int, int>> loop_ends_;  // links a and b of the closures, −1: the base
-  std::vector<bool> in_loop_;                   // one a joint
+  LoopClosures rigid_closures_;                  // of the undeformed arm: from link to link
+  std::vector<std::pair<int, int>> loop_ends_;   // links a and b of the closures, −1: the base
+  std::vector<std::size_t> hinges_of_closures_;  // the first of each closure
+  std::vector<bool> in_loop_;                    // one a joint
   std::vector<double> assembled_;
 };
 

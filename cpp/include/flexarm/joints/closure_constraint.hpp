@@ -68,6 +68,9 @@ class ClosureConstraint {
   /// True unless an axis that (2) aligns points the opposite way.
   bool right_way(const Frame& H_a, const Frame& H_b) const;
 
+  /// The angle by which B turns about the axis of a revolute closure, in A; within half a turn.
+  double turn(const Frame& H_a, const Frame& H_b) const;
+
   /// Equations (3), (4) for increments of the nodes.
   struct Jacobian {
     Rows a, b;
@@ -86,6 +89,7 @@ class ClosureConstraint {
   /// Force and moment that the closure puts on b at the origin of B, base axes.
   Vector6d wrench_on_b(const Frame& H_a, const Frame& H_b, const Conditions& lambda) const;
   Vector3d place_on_b(const Frame& H_b) const { return H_b * X_b_.x; }  ///< origin of B, base axes
+  Frame frame_at_a(const Frame& H_a) const { return H_a * X_a_; }       ///< A
 
  private:
   struct Condition {

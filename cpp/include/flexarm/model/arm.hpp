@@ -92,10 +92,11 @@ struct Point {
   bool loaded = false;                   ///< carries point loads: gets a node of its own
 };
 
-/// A hinge that nothing drives, on a spring and a damper, without mass.
+/// A hinge that nothing drives, without mass: on a spring and a damper, or on laws instead.
 struct Hinge {
   Vector3d axis = Vector3d::UnitZ();
   double stiffness = 0, damping = 0;  ///< [N m/rad], [N m s/rad]
+  joints::DriveTrain::Parallel laws = {};
 };
 
 struct Joint {
@@ -133,8 +134,17 @@ struct Closure {
   std::string a, b;
   bool a_at_end = false, b_at_end = false;  ///< origin counts from the far end of the beam
   geometry::Frame a_origin, b_origin;
-  Vector3d axis = Vector3d::UnitZ();         ///< in the frame at a
-  Vector3d second_axis = Vector3d::UnitX();  ///< of a universal closure, in the frame at b
+  Vector3d axis = Vector3d::UnitZ();          ///< in the frame at a
+  Vector3d second_axis = Vector3d::UnitX();   ///< of a universal closure, in the frame at b
+  std::vector<Hinge> mount = {};              ///< between link a and the frame at a, axes in that frame
+  joints::DriveTrain::Parallel bearing = {};  ///< of a revolute closure, on the turn of b about the axis
+
+  /// The mount, and behind it the pin of a bearing; b is then fixed to the pin.
+  std::vector<Hinge> hinges() const {
+    std::vector<Hinge> chain = mount;
+    if (!bearing.empty()) chain.push_back({.axis = axis, .laws = bearing});
+    return chain;
+  }
 };
 
 struct Arm {
