@@ -14,7 +14,7 @@ from flexarm.arguments import ARM, COUNT, FLAG, NAMES, PATH, VALUES, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen
-from flexarm.assembly import assemble, joint_values
+from flexarm.assembly import assemble, following_joints, joint_values
 from flexarm.errors import InvalidParameter
 from flexarm.netcdf import Contents, Variable
 from flexarm.pictures import drawn, viewed
@@ -46,7 +46,8 @@ class Modes(Result):
     solver : dict
         Backend and iterations.
     drive_angle : ndarray, shape (joint,), or None
-        Where the drives are held [rad, m]; None in files of flexarm 0.1.0.
+        Where the drives are held, and joints of loops that follow stand [rad, m]; None in files of flexarm
+        0.1.0.
     with_gravity : bool
         Gravity deforms the arm.
     sensitivities : Sensitivities or None
@@ -213,6 +214,8 @@ def modes(
         return _core.static_equilibrium(of, values, loads)
 
     equilibrium = at_rest(system)
+    follow, at = following_joints(arm, (), joints or {}), _core.joint_angles(system, equilibrium.state)
+    angles = [at[i] if joint.name in follow else values[i] for i, joint in enumerate(arm.joints)]
     found = _core.modes(system, equilibrium, count)
     shape = np.array(found.shapes).T.reshape(len(found.frequency_hz), len(arm.points), 6)
     return Modes(
@@ -222,7 +225,7 @@ def modes(
         damping_ratio=frozen(found.damping_ratio),
         shape=frozen(shape),
         solver={"backend": _core.build_info().solver, "iterations": found.iterations},
-        drive_angle=frozen(values),
+        drive_angle=frozen(angles),
         with_gravity=gravity,
         sensitivities=_derivatives(arm, parameters(arm, sensitivities), system, equilibrium, count, at_rest),
     )

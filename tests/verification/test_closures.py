@@ -270,6 +270,13 @@ def test_what_does_not_take_closures_says_so():
         flexarm.plan(loops.crane(), [])
 
 
+def test_modes_tell_where_the_joints_that_follow_stand():
+    """At the angles of the equilibrium."""
+    found = flexarm.modes(loops.crane(loops.beam("boom", 3.0)), {"piston": 0.4}, count=1)
+    at_rest = flexarm.static(loops.crane(loops.beam("boom", 3.0)), {"piston": 0.4})
+    assert found.drive_angle == approx(at_rest.drive_angle, abs=1e-12)
+
+
 def test_a_stored_equilibrium_keeps_its_closures(tmp_path):
     """Save and load."""
     found = flexarm.static(loops.crane(), {"piston": 0.4})
