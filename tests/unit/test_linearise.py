@@ -600,3 +600,10 @@ def test_an_arm_that_buckles_ends_as_exit_code_3(
     model_file.write_text(model_file.read_text() + soft)
     assert run(["linearise", str(model_file), "--out", str(tmp_path / "arm.mat")]) == 3
     assert "buckles" in capsys.readouterr().err
+
+
+def test_the_summary_has_no_damping_of_minus_zero() -> None:
+    """Rounding makes the real parts of undamped poles positive as often as negative."""
+    model = linearise(arm(joints=[hinge("j", "b")], links=[beam("b", [1.0, 0, 0], SECTION, elements=4)]))
+    assert model.poles.real.max() > 0
+    assert "-0.000000" not in model.summary()

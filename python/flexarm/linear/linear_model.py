@@ -255,5 +255,5 @@ def _position(names: tuple[str, ...], name: str, kind: str) -> int:
 
 def _told(pole: complex) -> str:
     size = abs(pole)
-    zeta = -pole.real / size if size > 0 else 0.0
+    zeta = round(-pole.real / size, 6) + 0.0 if size > 0 else 0.0  # no zero below zero
     return f"{pole.real:14.6g} {pole.imag:+14.6g}i  {size / (2 * np.pi):18.6f}{zeta:20.6f}"
