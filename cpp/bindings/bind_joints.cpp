@@ -54,11 +54,19 @@ void bind_joints(py::module_& m) {
             return py::vectorize([&](double at) { return table(at).y; })(x);
           },
           py::arg("x"));
+  py::class_<ChangingTable>(m, "ChangingTable", "A table, or two of which one holds from an instant on.")
+      .def(py::init<MonotoneCubic>(), py::arg("table"))
+      .def(py::init<MonotoneCubic, MonotoneCubic, double, double>(), py::arg("before"), py::arg("after"),
+           py::arg("instant"), py::arg("duration"));
+  py::class_<TabulatedFriction>(m, "TabulatedFriction", "Friction in Dahl's form whose torque a table gives.")
+      .def(py::init(
+               [](MonotoneCubic table, double width) { return TabulatedFriction{std::move(table), width}; }),
+           py::arg("table"), py::arg("width"));
   py::class_<TabulatedTorque>(m, "TabulatedTorque", "Torque at the output bearing by a table.")
-      .def(py::init([](Of of, MonotoneCubic table) { return TabulatedTorque{of, std::move(table)}; }),
+      .def(py::init([](Of of, ChangingTable table) { return TabulatedTorque{of, std::move(table)}; }),
            py::arg("of"), py::arg("table"));
   py::class_<WoundSpring>(m, "WoundSpring", "Spring of a reducer that winds up by a table.")
-      .def(py::init([](ReducerSpring spring, Of of, MonotoneCubic windup) {
+      .def(py::init([](ReducerSpring spring, Of of, ChangingTable windup) {
              return WoundSpring{spring, of, std::move(windup)};
            }),
            py::arg("spring"), py::arg("of"), py::arg("windup"));

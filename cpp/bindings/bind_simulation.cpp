@@ -90,15 +90,15 @@ void bind_statics(py::module_& m) {
       .def_readonly("residual", &Equilibrium::residual, "Largest unbalanced force [N].");
   m.def(
       "static_equilibrium",
-      [](const System& system, const std::vector<double>& joint_values, const Loads& loads) {
+      [](const System& system, const std::vector<double>& joint_values, const Loads& loads, double time) {
         checks::fits(system, loads);
         for (const double value : joint_values) {
           if (!std::isfinite(value)) throw flexarm::InvalidParameter("values of joints must be finite");
         }
-        return static_equilibrium(system, joint_values, loads);
+        return static_equilibrium(system, joint_values, loads, {.time = time});
       },
-      "Equilibrium of the loaded arm, drives held.", py::arg("system"), py::arg("joint_values"),
-      py::arg("loads"), py::call_guard<py::gil_scoped_release>());
+      "Equilibrium of the loaded arm, drives held, at a time.", py::arg("system"), py::arg("joint_values"),
+      py::arg("loads"), py::arg("time") = 0.0, py::call_guard<py::gil_scoped_release>());
   py::class_<Modes>(m, "Modes", "Modes about an equilibrium.")
       .def_readonly("frequency_hz", &Modes::frequency_hz)
       .def_readonly("damping_ratio", &Modes::damping_ratio)

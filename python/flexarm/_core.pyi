@@ -20,6 +20,7 @@ __all__: list[str] = [
     "CableTorque",
     "CellBlock",
     "CellType",
+    "ChangingTable",
     "CholeskyReport",
     "Closure",
     "ClosureType",
@@ -67,6 +68,7 @@ __all__: list[str] = [
     "Stepping",
     "SuperElementLink",
     "System",
+    "TabulatedFriction",
     "TabulatedTorque",
     "Transient",
     "TransientOptions",
@@ -249,17 +251,38 @@ class MonotoneCubic:
         Least and largest slope.
         """
 
+class ChangingTable:
+    """
+    A table, or two of which one holds from an instant on.
+    """
+    @typing.overload
+    def __init__(self, table: MonotoneCubic) -> None: ...
+    @typing.overload
+    def __init__(
+        self,
+        before: MonotoneCubic,
+        after: MonotoneCubic,
+        instant: typing.SupportsFloat | typing.SupportsIndex,
+        duration: typing.SupportsFloat | typing.SupportsIndex,
+    ) -> None: ...
+
+class TabulatedFriction:
+    """
+    Friction in Dahl's form whose torque a table gives.
+    """
+    def __init__(self, table: MonotoneCubic, width: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+
 class TabulatedTorque:
     """
     Torque at the output bearing by a table.
     """
-    def __init__(self, of: Of, table: MonotoneCubic) -> None: ...
+    def __init__(self, of: Of, table: ChangingTable) -> None: ...
 
 class WoundSpring:
     """
     Spring of a reducer that winds up by a table.
     """
-    def __init__(self, spring: ReducerSpring, of: Of, windup: MonotoneCubic) -> None: ...
+    def __init__(self, spring: ReducerSpring, of: Of, windup: ChangingTable) -> None: ...
 
 class Transmission:
     """
@@ -292,6 +315,7 @@ class DriveTrain:
                 | ViscousFriction
                 | DahlFriction
                 | LugreFriction
+                | TabulatedFriction
                 | TabulatedTorque
                 | WoundSpring
             ]
@@ -302,6 +326,7 @@ class DriveTrain:
             | ViscousFriction
             | DahlFriction
             | LugreFriction
+            | TabulatedFriction
             | TabulatedTorque
             | WoundSpring
         ] = [],
@@ -311,6 +336,7 @@ class DriveTrain:
             | ViscousFriction
             | DahlFriction
             | LugreFriction
+            | TabulatedFriction
             | TabulatedTorque
             | WoundSpring
         ] = [],
@@ -522,6 +548,7 @@ class Closure:
             | ViscousFriction
             | DahlFriction
             | LugreFriction
+            | TabulatedFriction
             | TabulatedTorque
             | WoundSpring
         ] = [],
@@ -1459,9 +1486,10 @@ def static_equilibrium(
     system: System,
     joint_values: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
     loads: Loads,
+    time: typing.SupportsFloat | typing.SupportsIndex = 0.0,
 ) -> Equilibrium:
     """
-    Equilibrium of the loaded arm, drives held.
+    Equilibrium of the loaded arm, drives held, at a time.
     """
 
 def stresses(

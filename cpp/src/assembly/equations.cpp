@@ -285,8 +285,8 @@ void SystemIn<D>::constraint_acceleration(const StateD& state, VectorXd& c) cons
 
 template <int D>
 joints::LawArgument SystemIn<D>::argument(const PlacedLaw& law, const StateD& state) const {
-  if (law.of < 0) return {};
-  return {state.s[law.of], state.v[scalar_offset() + law.of]};
+  if (law.of < 0) return {0, 0, state.t};
+  return {state.s[law.of], state.v[scalar_offset() + law.of], state.t};
 }
 
 template <int D>

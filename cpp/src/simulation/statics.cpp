@@ -147,6 +147,7 @@ bool is_stable(const System& system, const State& state, const Loads& loads) {
 Equilibrium static_equilibrium(const System& system, const std::vector<double>& joint_values,
                                const Loads& loads, const StaticOptions& options) {
   Equilibrium result{.state = system.rigid_state(joint_values), .loads = loads};
+  result.state.t = result.state.start = options.time;
   close_gaps(system, result.state);
   Newton newton(system, options);
   double reached = 0, step = 1;

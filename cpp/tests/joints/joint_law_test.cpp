@@ -19,6 +19,10 @@ namespace {
 // Steep enough beside the spring of 300 N m/rad, with a flat part and held ends.
 const MonotoneCubic table({-30, -10, -2, 5, 40}, {-0.08, -0.03, -0.03, 0.02, 0.05});
 
+const MonotoneCubic curve({-0.5, -0.1, 0.3, 0.9}, {-0.02, 0.01, 0.05, 0.03});
+const MonotoneCubic soft({-30, 40}, {0.05, -0.03});
+const ChangingTable falling({{-0.2, 0.0, 0.4}, {-3, 1, 2}}, {{-0.1, 0.1}, {3, -2}}, -0.01, 0.05);
+
 const std::vector<JointLaw> all_laws = {
     ReducerSpring{300, 4, 2e3},
     ReducerSpring{.stiffness = 300, .damping = 4, .gap = 0.11, .fade_width = 0.02},
@@ -28,12 +32,14 @@ const std::vector<JointLaw> all_laws = {
     LugreFriction{50, 0.9, 0.4, 2.0, 3.0, 0.5},
     TabulatedTorque{Of::angle, MonotoneCubic({-0.2, 0.0, 0.4}, {-3, 1, 2})},
     TabulatedTorque{Of::rate, MonotoneCubic({-0.9, 0.0, 0.9}, {-3, 1, 2})},
+    TabulatedFriction{MonotoneCubic({-0.2, 0.0, 0.4}, {-3, 1, 2}), 0.05},
+    TabulatedTorque{Of::angle, falling},
     WoundSpring{{300, 4, 2e3}, Of::torque, table},
     WoundSpring{{.stiffness = 300, .damping = 4, .gap = 0.11, .fade_width = 0.02}, Of::torque, table}};
-static_assert(std::variant_size_v<JointLaw> == 7, "a new law joins all_laws");
+static_assert(std::variant_size_v<JointLaw> == 8, "a new law joins all_laws");
 
-const MonotoneCubic curve({-0.5, -0.1, 0.3, 0.9}, {-0.02, 0.01, 0.05, 0.03});
 const std::vector<JointLaw> laws_of_two = {TabulatedTorque{Of::motor_angle, curve},
+                                           WoundSpring{{300, 4, 2e3}, Of::torque, {table, soft, 0.01, 0.05}},
                                            WoundSpring{{300, 4, 2e3}, Of::angle, curve},
                                            WoundSpring{{300, 4, 2e3}, Of::rate, curve}};
 
@@ -78,6 +84,24 @@ TEST_CASE("A spring that winds up with its torque balances: x = d + w(T), T = k 
     const double d = law.deflection(x, {}, {}), T = 300 * d + 2e3 * d * d * d;
     CHECK(std::abs(d + table(T).y - x) < 1e-14);
     CHECK(respond(law, x, 0, {}).force == near(T, 1e-12));
+  }
+}
+
+TEST_CASE("A table gives way to another one linearly over its duration about the instant") {
+  const TabulatedTorque law{Of::angle, {{{-1, 1}, {-2, 2}}, {{-1, 1}, {5, 5}}, 3.0, 0.2}};
+  const auto force = [&](double t) { return law.respond(0.5, 0, {}, {.time = t}).force; };
+  for (double t : {0.0, 2.9}) CHECK(force(t) == near(1, 1e-12));
+  for (double t : {3.1, 9.0}) CHECK(force(t) == near(5, 1e-12));
+  CHECK(force(2.95) == near(2, 1e-12));
+  CHECK(force(3.0) == near(3, 1e-12));
+}
+
+TEST_CASE("A windup of the torque balances at every instant of its change") {
+  const WoundSpring law{{300, 4, 2e3}, Of::torque, {table, soft, 1.0, 0.5}};
+  for (double t : {0.0, 0.9, 1.1, 2.0}) {
+    const double d = law.deflection(0.3, {}, {.time = t}), T = 300 * d + 2e3 * d * d * d;
+    CHECK(std::abs(d + law.windup.at(t)(T).y - 0.3) < 1e-14);
+    CHECK(respond(law, 0.3, 0, {}, {.time = t}).force == near(T, 1e-12));
   }
 }
 
@@ -141,6 +165,9 @@ TEST_CASE("Every law refuses a negative coefficient and says which") {
   refuses(LugreFriction{1, 1, 1, 2, 1, 1}, "break-away torque must not be below the friction torque");
   refuses(LugreFriction{1, 1, 1, 1, 1, 0}, "Stribeck rate must be positive");
   refuses(TabulatedTorque{Of::torque, table}, "a torque is a table of angle, rate or motor angle");
+  refuses(TabulatedFriction{table, 0}, "friction width must be positive");
+  refuses(TabulatedTorque{Of::angle, {table, table, 1, 0}}, "must change over a positive duration, got 0");
+  refuses(WoundSpring{{300}, Of::torque, {table, {{0, 1}, {0, -1.0 / 299}}, 1, 1}}, "leaves it no stiffness");
   refuses(WoundSpring{{300}, Of::motor_angle, table}, "the teeth wind up with the motor's angle");
   refuses(WoundSpring{{-3}, Of::torque, table}, "joint stiffness must be positive");
   refuses(WoundSpring{{300}, Of::torque, MonotoneCubic({0, 1}, {0, -1.0 / 299})}, "leaves it no stiffness");
@@ -149,8 +176,9 @@ TEST_CASE("Every law refuses a negative coefficient and says which") {
 
 TEST_CASE("Only friction stays out of statics") {
   for (const JointLaw& law : all_laws) {
-    const bool friction =
-        std::holds_alternative<DahlFriction>(law) || std::holds_alternative<LugreFriction>(law);
+    const bool friction = std::holds_alternative<DahlFriction>(law) ||
+                          std::holds_alternative<LugreFriction>(law) ||
+                          std::holds_alternative<TabulatedFriction>(law);
     CHECK(acts_at_rest(law) != friction);
   }
 }

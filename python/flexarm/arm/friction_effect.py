@@ -92,7 +92,9 @@ class FrictionEffect(Effect):
 
         sticks = [] if self.creep_rate else [_core.DahlFriction((1.0 + self.drop) * torque, self.width)]
         table = self.table(torque)
-        return [*sticks, *([] if table is None else [_core.TabulatedTorque(_core.Of.rate, table)])]
+        if table is None:
+            return [*sticks]
+        return [*sticks, _core.TabulatedTorque(_core.Of.rate, _core.ChangingTable(table))]
 
     def table(self, torque: float) -> _core.MonotoneCubic | None:
         """Return the part of (1) [N m] that is a function of the rate [rad/s]; None where nothing is."""

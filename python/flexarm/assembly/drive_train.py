@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         | _core.ViscousFriction
         | _core.DahlFriction
         | _core.LugreFriction
+        | _core.TabulatedFriction
         | _core.TabulatedTorque
     )
 
@@ -59,7 +60,7 @@ class DriveTrain:
     """Of the reducer [N m/rad], [N m s/rad], [N m/rad3], [rad]; an infinite stiffness makes it rigid."""
     hysteresis: list[tuple[float, float]] = field(default_factory=list)
     """Beside the reducer's spring, on its deflection [N m], [rad]."""
-    windup: tuple[Literal["angle", "rate", "torque"], _core.MonotoneCubic] | None = None
+    windup: tuple[Literal["angle", "rate", "torque"], _core.ChangingTable] | None = None
     """By how much more than its torque makes of it the reducer winds up: a table of the link's angle, of its
     rate, or of the spring's torque [rad]."""
     motor: list[Law] = field(default_factory=list)

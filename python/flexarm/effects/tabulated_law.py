@@ -14,6 +14,18 @@ windup of the torque is solved within the spring; of the motor's angle it is a p
 `transmission_error` is. Without `joint_compliance` a windup moves the drive: of the motor's angle exactly,
 else on a spring of 1e9 N m/rad. The spring's damper acts on \psi' - \theta'.
 
+A table may change at an instant t_c [s], or have a second branch where the angle falls:
+
+.. math:: f(y, t) = (1 - s) f_0(y) + s f_1(y), \qquad s = \min(\max((t - t_c)/\tau + 1/2, 0), 1)          (3)
+.. math:: f(\theta) = \tfrac12 (f_+ + f_-) + \tfrac12 z (f_+ - f_-), \qquad
+          \dot z = (1 - z \operatorname{sgn} \dot\theta)\,\dot\theta/\delta                             (4)
+
+t is the time of the run, so that each run has the instant t_c on its own clock; statics, modes and poses
+take t = 0. The duration \tau [s] regularises the change: the response is then a continuous function of t_c,
+and a free vibration of a period much longer than \tau does not see it. z is the sense of motion by Dahl's
+law of the width \delta [rad], as of `coulomb_friction`; a run starts with z = 0. Mean and half the difference
+of the branches are monotone cubics.
+
 References
 ----------
 .. [Fritsch1984] F. N. Fritsch, J. Butland, "A method for constructing local monotone piecewise cubic
@@ -31,9 +43,10 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.friction_effect import STICK_WIDTH
 from flexarm.arm.prior import Prior
 from flexarm.effects.joint_compliance import JointCompliance
-from flexarm.tables import Inconsistent, Numbers, value_in
+from flexarm.tables import Inconsistent, Number, Numbers, value_in
 from flexarm.tables.field import Path
 
 if TYPE_CHECKING:
@@ -51,10 +64,17 @@ ACTS = {"windup": ("angle", "rate", "torque", "motor_angle"), "torque": ("angle"
 """What the quantities that can be simulated may be tables of."""
 
 
+CHANGE_DURATION = 0.02
+"""tau of (3) where none is stated [s]: a multiple of the usual time steps."""
+BRANCHES = ("value", "value_after", "value_falling")
+"""Fields that hold values at the knots."""
+
+
 class TabulatedLaw(Effect):
     """A table of a joint's windup or lost torque.
 
-    `quantity` "windup" is w of (1), "torque" f of (2); `x` and `value` are the table of y.
+    `quantity` "windup" is w of (1), "torque" f of (2); `x` and `value` are the table of y. `value_after` is
+    f_1 of (3), `instant` t_c and `duration` tau; `value_falling` is f_- of (4) and `width` delta.
     """
 
     name: ClassVar[str] = "tabulated_law"
@@ -67,6 +87,11 @@ class TabulatedLaw(Effect):
     x: Numbers = value_in("SI", "knots, rising", numbered=True)
     value: Numbers = value_in("SI", "values at the knots", numbered=True)
     direction: str | None = Field(None, description="left out: a joint has one direction")
+    value_after: Numbers = value_in("SI", "values from the instant on", (), numbered=True)
+    instant: Number | None = value_in("s", "when values change", None)
+    duration: Number = value_in("s", "time over which they change", CHANGE_DURATION, gt=0)
+    value_falling: Numbers = value_in("SI", "values where the angle falls", (), numbered=True)
+    width: Number = value_in("rad", "turn over which the branch changes", STICK_WIDTH, gt=0)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -84,37 +109,87 @@ class TabulatedLaw(Effect):
             yield ("direction",), what
         if len(self.x) < 2:
             yield ("x",), f"must be two knots or more, got {len(self.x)}"
-        if len(self.value) != len(self.x):
-            yield (("value",), f"must have as many numbers as x, {len(self.x)}, got {len(self.value)}")
+        for name in dict.fromkeys(("value", *self.branches)):
+            if (count := len(getattr(self, name))) != len(self.x):
+                yield (name,), f"must have as many numbers as x, {len(self.x)}, got {count}"
         for before, knot in pairwise(self.x):
             if not knot > before:
                 yield ("x",), f"must rise from knot to knot, got {knot:g} after {before:g}"
                 break
+        yield from self._problems_of_branches()
 
-    def __call__(self, y: ArrayLike) -> NDArray[np.float64]:
-        """Return the table at y [rad, rad/s or N m], shape of y."""
+    def _problems_of_branches(self) -> Iterable[tuple[Path, str]]:
+        if bool(self.value_after) != (self.instant is not None):
+            missing = "instant" if self.value_after else "value_after"
+            yield (missing,), "is missing: a law that changes has value_after and an instant"
+        if self.value_after and (self.quantity, self.of) == ("windup", "motor_angle"):
+            yield ("value_after",), "must be left out of a windup of the motor's angle, which cannot change"
+        if self.value_falling and (self.quantity, self.of) != ("torque", "angle"):
+            yield ("value_falling",), "must be left out: a torque of the angle alone may have two branches"
+        if self.value_falling and self.value_after:
+            yield ("value_falling",), "must be left out of a law that changes at an instant"
+
+    @property
+    def branches(self) -> tuple[str, ...]:
+        """Return the names of the fields that hold values at the knots."""
+        return tuple(name for name in BRANCHES if getattr(self, name))
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """Return the values of all branches, one after the other, shape (b k,)."""
+        return np.concatenate([getattr(self, name) for name in self.branches])
+
+    def with_values(self, values: ArrayLike) -> Self:
+        """Return the law with other values of all branches, shape (b k,)."""
+        parts = np.split(np.asarray(values, float), len(self.branches))
+        return self.replace(
+            **dict(zip(self.branches, map(tuple, (each.tolist() for each in parts)), strict=True))
+        )
+
+    def __call__(self, y: ArrayLike, branch: str = "value") -> NDArray[np.float64]:
+        """Return the table of a branch at y [rad, rad/s or N m], shape of y."""
         sign = -1.0 if self.quantity == "windup" else 1.0
-        return sign * np.asarray(self.table()(np.asarray(y, float)))
+        return sign * np.asarray(self.table(branch)(np.asarray(y, float)))
 
-    def table(self) -> _core.MonotoneCubic:
-        """Return the table as the core takes it: it counts by what a windup leaves the link behind, -w."""
+    def table(self, branch: str = "value") -> _core.MonotoneCubic:
+        """Return a table as the core takes it: it counts by what a windup leaves the link behind, -w."""
         from flexarm import _core
 
-        behind = self.quantity == "windup"
-        return _core.MonotoneCubic(self.x, [-each for each in self.value] if behind else self.value)
+        behind, values = self.quantity == "windup", getattr(self, branch)
+        return _core.MonotoneCubic(self.x, [-each for each in values] if behind else values)
+
+    def _changing(self) -> _core.ChangingTable:
+        """Return the table and that after the instant, eq. (3)."""
+        from flexarm import _core
+
+        if self.instant is None:
+            return _core.ChangingTable(self.table())
+        return _core.ChangingTable(self.table(), self.table("value_after"), self.instant, self.duration)
 
     def patch(self, machine: Machine) -> None:
         """Add the table to the teeth, the spring or the output bearing, eqs. (1), (2)."""
-        from flexarm import _core
-
         train = machine.drive_trains[self.at]
         if self.quantity == "torque":
-            train.bearing.append(_core.TabulatedTorque(_core.Of[self.of], self.table()))  # eq. (2)
+            train.bearing += self._torques()
         elif self.of == "motor_angle":
             train.teeth().windup = self.table()
         else:
-            train.windup = (self.of, self.table())  # eq. (1)
+            train.windup = (self.of, self._changing())  # eq. (1)
             train.stiffness = min(train.stiffness, NEARLY_RIGID)
+
+    def _torques(self) -> list[_core.TabulatedTorque | _core.TabulatedFriction]:
+        """Return what loses the torque of (2), of two branches that of (4)."""
+        from flexarm import _core
+
+        of = _core.Of[self.of]
+        if not self.value_falling:
+            return [_core.TabulatedTorque(of, self._changing())]
+        rising, falling = np.array(self.value), np.array(self.value_falling)
+        mean, half = (
+            _core.MonotoneCubic(self.x, (each / 2).tolist()) for each in (rising + falling, rising - falling)
+        )
+        dragging = _core.TabulatedFriction(half, self.width)
+        return [_core.TabulatedTorque(of, _core.ChangingTable(mean)), dragging]  # eq. (4)
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
         """Refuse windups that would turn the output back, or leave the spring without stiffness."""
@@ -122,7 +197,8 @@ class TabulatedLaw(Effect):
             yield "quantity", f'must be "torque" at a closure, which has no spring, got "{self.quantity}"'
         if self.quantity != "windup" or self.of not in ("motor_angle", "torque"):
             return
-        low, high = self.table().slopes()
+        low, high = np.transpose([self.table(branch).slopes() for branch in self.branches])
+        low, high = float(low.min()), float(high.max())
         if self.of == "motor_angle" and max(-low, high) >= 1:
             yield (
                 "value",
@@ -139,19 +215,24 @@ class TabulatedLaw(Effect):
             )
 
     def parameters(self) -> list[tuple[str, float, str]]:
-        """Values at the knots as (name, value, unit); knots stay where they are."""
-        return [found for found in super().parameters() if found[0].startswith("value.")]
+        """Values at the knots and the instant as (name, value, unit); knots stay where they are."""
+        return [found for found in super().parameters() if found[0].split(".")[0] in (*BRANCHES, "instant")]
 
     def unit(self, name: str) -> str:
         """Return the unit of x or of the values about a revolute joint."""
-        return {"x": OF_UNIT[self.of], "value": UNIT[self.quantity]}.get(name, super().unit(name))
+        own = {"x": OF_UNIT[self.of], **dict.fromkeys(BRANCHES, UNIT[self.quantity])}
+        return own.get(name, super().unit(name))
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Return sizes of what no law of the vocabulary explains: wide, and about zero."""
         size = {"windup": 1e-3, "torque": 100.0}[self.quantity]
         source = "engineering judgement: as large as compliance and friction of a joint"
         prior = Prior(-size, size, 0.0, "linear", UNIT[self.quantity], source)
-        return {name: prior for name, _, _ in self.parameters()}
+        found = {name: prior for name, _, _ in self.parameters() if name != "instant"}
+        if self.instant is not None:
+            within = "engineering judgement: within seconds of where it is stated"
+            found["instant"] = Prior(self.instant - 1, self.instant + 1, self.instant, "linear", "s", within)
+        return found
 
     @classmethod
     def typical(cls, at: str, arm: Arm) -> Self:

@@ -138,4 +138,5 @@ def _start(
         if joint.name in told
     }
     values = joint_values(run.arm, {**run.drive.rest, **first})
-    return _core.static_equilibrium(held, values, _core.Loads(gravity=np.array(run.arm.gravity)))
+    gravity = _core.Loads(gravity=np.array(run.arm.gravity))
+    return _core.static_equilibrium(held, values, gravity, run.options.start)

@@ -206,7 +206,7 @@ class SystemIn {
   joints::LawResponse respond(std::size_t k, const StateD& state) const {
     return respond(k, state, laws_[k].law);
   }
-  /// y of a law.
+  /// y of a law, and the time.
   joints::LawArgument argument(const PlacedLaw& law, const StateD& state) const;
 
   double deflection(const PlacedLaw& law, const Eigen::Ref<const VectorXd>& s) const {

@@ -15,6 +15,7 @@
 #include "flexarm/joints/laws/dahl_friction.hpp"
 #include "flexarm/joints/laws/lugre_friction.hpp"
 #include "flexarm/joints/laws/reducer_spring.hpp"
+#include "flexarm/joints/laws/tabulated_friction.hpp"
 #include "flexarm/joints/laws/tabulated_torque.hpp"
 #include "flexarm/joints/laws/viscous_friction.hpp"
 #include "flexarm/joints/laws/wound_spring.hpp"
@@ -22,7 +23,7 @@
 namespace flexarm::joints {
 
 using JointLaw = std::variant<ReducerSpring, CableTorque, ViscousFriction, DahlFriction, LugreFriction,
-                              TabulatedTorque, WoundSpring>;
+                              TabulatedFriction, TabulatedTorque, WoundSpring>;
 
 inline LawResponse respond(const JointLaw& law, double x, double x_dot, const LawMemory& memory,
                            const LawArgument& y = {}) {
@@ -38,11 +39,12 @@ inline LawResponse respond(const JointLaw& law, double x, double x_dot, const La
 }
 
 /// Which coordinate of the joint is the second argument of the law, if any: `motor_angle` for φ, `angle` for
-/// the link's θ; `torque` for none.
+/// the link's θ, also for the energy of a windup that changes; `torque` for none.
 inline Of second_argument(const JointLaw& law) {
   if (const auto* table = std::get_if<TabulatedTorque>(&law); table && table->of == Of::motor_angle)
     return Of::motor_angle;
-  if (const auto* spring = std::get_if<WoundSpring>(&law); spring && spring->of != Of::torque)
+  if (const auto* spring = std::get_if<WoundSpring>(&law);
+      spring && (spring->of != Of::torque || spring->windup.changes()))
     return Of::angle;
   return Of::torque;
 }

@@ -18,9 +18,9 @@ struct LawMemory {
 /// The state of which a tabulated law is a function; joints/drive_train.hpp has the angles.
 enum class Of { angle, rate, torque, motor_angle };
 
-/// A second coordinate y of which a law may be a function, and its rate.
+/// A second coordinate y of which a law may be a function, its rate, and the time [s].
 struct LawArgument {
-  double value = 0, rate = 0;
+  double value = 0, rate = 0, time = 0;
 };
 
 /// Answer of a law at a trial deflection x, rate x', with the memory (x₀, z₀).

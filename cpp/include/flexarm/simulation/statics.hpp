@@ -22,6 +22,7 @@ struct StaticOptions {
       1e-9;  ///< of the last increment, in parts of the reach and rad; the error left is its square
   int max_iterations = 40;  ///< a load step
   int max_halvings = 10;    ///< of the load step
+  double time = 0;          ///< at which laws count that change at an instant [s]
 };
 
 struct Equilibrium {

@@ -1,16 +1,17 @@
 /// @file
 /// A torque at the output bearing that a table gives:  Q = f(y),  with y the joint's angle x, its rate x', or
-/// the motor's angle. Of the angle it stores the integral of f; else it takes or gives energy.
+/// the motor's angle; f may change at an instant. Of the angle alone it stores the integral of f; else it
+/// takes or gives energy.
 #pragma once
 
 #include "flexarm/joints/law_response.hpp"
-#include "flexarm/joints/laws/monotone_cubic.hpp"
+#include "flexarm/joints/laws/changing_table.hpp"
 
 namespace flexarm::joints {
 
 struct TabulatedTorque {
   Of of;  ///< angle, rate or motor_angle
-  MonotoneCubic table;
+  ChangingTable table;
 
   static constexpr bool acts_at_rest = true;
 
@@ -18,10 +19,12 @@ struct TabulatedTorque {
 
   LawResponse respond(double x, double x_dot, const LawMemory&, const LawArgument& y) const {
     const double at = of == Of::angle ? x : of == Of::rate ? x_dot : y.value;
-    const auto [force, slope, curvature] = table(at);
+    const TableAtInstant f = table.at(y.time);
+    const auto [force, slope, curvature] = f(at);
     switch (of) {
       case Of::angle:
-        return {.force = force, .stiffness = slope, .energy = table.integral(x)};
+        if (table.changes()) return {.force = force, .stiffness = slope, .loss = force};
+        return {.force = force, .stiffness = slope, .energy = f.integral(x)};
       case Of::rate:
         return {.force = force, .damping = slope, .loss = force};
       default:
@@ -30,6 +33,7 @@ struct TabulatedTorque {
   }
 
   void check() const {
+    table.check();
     if (of == Of::torque) throw InvalidParameter("a torque is a table of angle, rate or motor angle");
   }
 };
