@@ -52,54 +52,79 @@ def _numbers(values: Floats) -> tuple[float, ...]:
 
 def curve_of_law(latent: Latent, search: LawSearch, law: Law, policy: LawPolicy) -> LawCurve:
     """Return a law about the latent motion as data; its probability is 1."""
-    x, unit, of_unit = law.knots, latent.unit, OF_UNITS[law.of]
-    curves = [law.curve(k) for k in range(len(law.mean) // len(x))]
-    shown = curves[-1:] if law.kind == "change" else curves
-    xs = x if len(shown) == 1 else np.concatenate([x, x[::-1]])
-    mean = np.concatenate([value[:: 1 - 2 * k] for k, (value, _) in enumerate(shown)])
-    spread = np.concatenate([np.sqrt(np.diag(c))[:: 1 - 2 * k] for k, (_, c) in enumerate(shown)])
-    value, covariance = shown[0]
-    shape = closest_shape(x, value, covariance, policy.shape_error, unit, law.of, of_unit)
-    says = _sentence("windup", latent.at, law.of, shape)
-    if law.kind == "law with memory":
-        says += ", with another branch where the angle falls"
-    if law.kind == "change":
-        at, low, high = law.instant
-        says += f", from {at:.2f} s on (90 %: {low:.2f} to {high:.2f} s)"
-        says += _softening(latent, law)
-    return LawCurve(
+    curve = LawCurve(
         latent.at,
         latent.quantity,
         law.of,
-        unit,
-        of_unit,
-        x=_numbers(xs),
-        value=_numbers(mean),
-        low90=_numbers(mean - NORMAL_90 * spread),
-        high90=_numbers(mean + NORMAL_90 * spread),
+        latent.unit,
+        OF_UNITS[law.of],
+        x=(),
+        value=(),
+        low90=(),
+        high90=(),
         kind=law.kind,
-        instant_s=law.instant[0] if law.instant else None,
+        instant_s=None,
         probability=1.0,
-        says=f"{says}; it spans {with_unit(float(np.ptp(mean)), unit, 3)}",
+        says="",
         cloud_x=_numbers(search.states.values[law.of]),
         cloud_value=_numbers(search.motion()),
-        instant90=law.instant[1:],
+    )
+    changing = "each record" if law.only < 0 else "one record"
+    return _with_branches(
+        curve, law.knots, law.mean, law.root, law.instant, stiffness_of(latent), policy, changing
     )
 
 
-def curve_of_fit(curve: LawCurve, fitted: FittedLaw, policy: LawPolicy) -> LawCurve:
-    """Return a curve, of the same quantity, with the values that were fitted through the simulation."""
+def curve_of_fit(curve: LawCurve, fitted: FittedLaw, stiffness: float, policy: LawPolicy) -> LawCurve:
+    """Return a curve, of the same quantity, with the values that were fitted through the simulation.
+
+    `stiffness` is that of the joint [N m/rad].
+    """
     law = fitted.law
-    x, value = np.array(law.x), np.array(law.value)
-    covariance = fitted.root @ fitted.root.T
-    shape = closest_shape(x, value, covariance, policy.shape_error, curve.unit, law.of, curve.of_unit)
-    band = NORMAL_90 * np.sqrt(np.diag(covariance))
-    says = _sentence(law.quantity, law.at, law.of, shape)
+    instant = next(((each.value, each.low90, each.high90) for each in fitted.instant), ())
+    return _with_branches(curve, np.array(law.x), law.values, fitted.root, instant, stiffness, policy)
+
+
+def _with_branches(
+    curve: LawCurve,
+    x: Floats,
+    mean: Floats,
+    root: Floats,
+    instant: tuple[float, ...],
+    stiffness: float,
+    policy: LawPolicy,
+    changing: str = "each record",
+) -> LawCurve:
+    """Return a curve with the values of its branches, one after the other, and its sentence.
+
+    `root` is one of their covariance, `instant` when they change and its 90 % interval [s], and
+    `changing` the records in which they do.
+    """
+    k, spread = len(x), np.linalg.norm(root, axis=1)
+    branches = [slice(i, i + k) for i in range(0, len(mean), k)]
+    shown = branches[-1:] if curve.kind == "change" else branches
+    first = shown[0]
+    covariance = root[first] @ root[first].T
+    shape = closest_shape(x, mean[first], covariance, policy.shape_error, curve.unit, curve.of, curve.of_unit)
+    says = _sentence(curve.quantity, curve.at, curve.of, shape)
+    if curve.kind == "law with memory":
+        says += ", with another branch where the angle falls"
+    if instant:
+        says += f", from {instant[0]:.2f} s of {changing} on ({instant[1]:.2f} to {instant[2]:.2f} s at 90 %)"
+        says += _softening(x, mean, root, stiffness) if curve.of == "torque" and stiffness else ""
+    xs = x if len(shown) == 1 else np.concatenate([x, x[::-1]])
+    value, band = (
+        np.concatenate([each[rows][:: 1 - 2 * i] for i, rows in enumerate(shown)])
+        for each in (mean, NORMAL_90 * spread)
+    )
     return replace(
         curve,
-        value=law.value,
+        x=_numbers(xs),
+        value=_numbers(value),
         low90=_numbers(value - band),
         high90=_numbers(value + band),
+        instant_s=instant[0] if instant else None,
+        instant90=instant[1:],
         says=f"{says}; it spans {with_unit(float(np.ptp(value)), curve.unit, 3)}",
     )
 
@@ -127,20 +152,11 @@ def as_torque(law: LawCurve, stiffness: float) -> LawCurve:
     )
 
 
-def _slope(law: Law) -> tuple[float, float]:
-    """Return the slope of the second curve over the first one, and its deviation."""
-    k = len(law.knots)
-    line = np.linalg.pinv(np.column_stack([np.ones(k), law.knots]))[1]
+def _softening(x: Floats, mean: Floats, root: Floats, stiffness: float) -> str:
+    """Return how much softer the joint is after an instant, by windups of the torque before and after."""
+    line = np.linalg.pinv(np.column_stack([np.ones(len(x)), x]))[1]
     weights = np.concatenate([-line, line])
-    return float(weights @ law.mean), float(np.linalg.norm(weights @ law.root))
-
-
-def _softening(latent: Latent, law: Law) -> str:
-    """Return how much softer the joint is after an instant, where the law is one of torque."""
-    stiffness = stiffness_of(latent)
-    if law.of != "torque" or not stiffness:
-        return ""
-    slope, std = _slope(law)
+    slope, std = float(weights @ mean), float(np.linalg.norm(weights @ root))
     part = 1 - 1 / (1 - stiffness * slope)  # 1/k' = 1/k - slope
     error = stiffness * std / (1 - stiffness * slope) ** 2
     word = "softer" if part > 0 else "stiffer"

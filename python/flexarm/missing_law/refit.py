@@ -20,6 +20,9 @@ J_f are differences along smooth curves u of the knots, which span the priors,
 
 The exact derivatives by single values would not do: where a curve is level or turns, a monotone cubic has
 slopes that are no smooth function of its values, and tangents there hold for next to no change.
+
+A change has two curves of the same prior, f = (f_0, f_1), and its instant is one more nuisance parameter,
+with a flat prior; a law with memory has two as well. Derivatives by the instant are differences too.
 """
 
 from __future__ import annotations
@@ -28,13 +31,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.parameters import members_at
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.uncertainty import Estimates, estimates_at
@@ -53,7 +57,9 @@ class FittedLaw:
     law: TabulatedLaw
     """With the posterior mean of its values."""
     root: Floats
-    """A root of their covariance, shape (k, ...)."""
+    """A root of their covariance, shape (b k, ...), of b branches one after the other."""
+    instant: tuple[Estimate, ...]
+    """When it changes; empty if it does not."""
     model: GaussianModel
     """Eq. (1) about the model before the last step."""
     fit: Fit
@@ -89,7 +95,7 @@ def _member(law: TabulatedLaw) -> Candidate:
 
 
 def curve_root(knots: Floats, length: float, policy: LawPolicy) -> Floats:
-    """Return a root of K of (1), for a length over the range of the knots, shape (k, k + 2)."""
+    """Return a root of K of (1) for a branch, for a length over the range of the knots, shape (k, k + 2)."""
     across = 2 * (knots - knots[0]) / (knots[-1] - knots[0]) - 1
     line = policy.line * np.column_stack([np.ones_like(across), across])
     return np.column_stack([curve_matern(len(knots), length), line])
@@ -162,7 +168,8 @@ class _Step:
     values: Floats
     z: Floats
     x: Floats
-    """f, parameters of found effects, nuisance parameters."""
+    instant: Floats
+    """f, parameters of found effects, nuisance parameters; instants, shape (0,) or (1,)."""
     moves: float
     """Squared change of the residual over its noise."""
 
@@ -172,25 +179,27 @@ class _Step:
 
     def part(self, t: float, here: _Linearised) -> _Step:
         """Return a part of the step from a model."""
-        values, z, x = (
+        values, z, x, instant = (
             old + t * (new - old)
             for old, new in zip(
-                (here.values, here.fit.z, here.x),
-                (self.values, self.z, self.x),
+                (here.law.values, here.fit.z, here.x, here.instant),
+                (self.values, self.z, self.x, self.instant),
                 strict=True,
             )
         )
-        return replace(self, values=values, z=z, x=x)
+        return replace(self, values=values, z=z, x=x, instant=instant)
 
 
 @dataclass(frozen=True, eq=False)
 class _Linearised:
-    """A model with a law, and the derivatives of (1) about it, those by `modes` over the noise's `scale`."""
+    """A model with a law, and the derivatives of (1) about it, those of the law over the noise's `scale`."""
 
     estimator: Estimator
     fit: Fit
     modes: Floats
     by_modes: Floats
+    by_instant: Floats
+    """Shape (n, 0) or (n, 1)."""
     scale: Floats
 
     @classmethod
@@ -201,13 +210,20 @@ class _Linearised:
         law = members[-1].effect
         assert isinstance(law, TabulatedLaw)
         scale = noise_scale(problem, fit)
-        modes = smooth_modes(np.array(law.x), policy)
+        modes = block_diag(*[smooth_modes(np.array(law.x), policy)] * len(law.branches))
 
-        def model(values: Floats) -> Arm:
-            return there.with_effects((*members[:-1], _member(law.replace(value=tuple(values.tolist())))))
+        def model(changed: TabulatedLaw) -> Arm:
+            return there.with_effects((*members[:-1], _member(changed)))
 
-        by_modes = law_jacobian(problem, model, np.array(law.value), modes, policy)
-        return cls(there, fit, modes, by_modes / scale[:, None], scale)
+        by_modes = law_jacobian(problem, lambda v: model(law.with_values(v)), law.values, modes, policy)
+        by_instant = np.zeros((len(problem), 0))
+        if (instant := law.instant) is not None:
+            h = 0.5 * law.duration
+            after, before = (
+                problem.residual(model(law.replace(instant=t))) for t in (instant + h, instant - h)
+            )
+            by_instant = (after - before)[:, None] / (2 * h)
+        return cls(there, fit, modes, by_modes / scale[:, None], by_instant / scale[:, None], scale)
 
     @property
     def jacobian(self) -> Floats:
@@ -222,8 +238,16 @@ class _Linearised:
         return law
 
     @property
-    def values(self) -> Floats:
-        return np.array(self.law.value)
+    def instant(self) -> Floats:
+        """When the law changes, shape (0,) or (1,)."""
+        return np.array([] if self.law.instant is None else [self.law.instant])
+
+    @property
+    def projection(self) -> Projection:
+        """What eliminates z, x and the instant, in this order."""
+        of = nuisance_projection(self.estimator.problem, self.fit)
+        sigma = np.concatenate([of.sigma, np.full(len(self.instant), np.inf)])
+        return Projection(np.column_stack([of.jacobian, self.by_instant]), sigma)
 
     @property
     def x(self) -> Floats:
@@ -233,28 +257,29 @@ class _Linearised:
 
     def step(self, policy: LawPolicy) -> _Step:
         """Return the mean of (1)."""
-        estimator, knots = self.estimator, np.array(self.law.x)
-        projection = nuisance_projection(estimator.problem, self.fit)
-        jacobian = self.jacobian
-        y = jacobian @ self.values - self.fit.residual / self.scale
+        estimator, law = self.estimator, self.law
+        knots, projection, jacobian = np.array(law.x), self.projection, self.jacobian
+        y = jacobian @ law.values - self.fit.residual / self.scale
         data = GaussianData(y, projection)
         tried = []
         for length in policy.curve_lengths:
-            root = self.modes @ (self.modes.T @ curve_root(knots, length, policy))
+            prior = block_diag(*[curve_root(knots, length, policy)] * len(law.branches))
+            root = self.modes @ (self.modes.T @ prior)
             columns = jacobian @ root
             for model in GaussianModel.likely(data, columns, estimator.problem.policy.reach):
                 tried.append((model, root * model.size))
         mixture = _Mixture.of(tried)
-        beside = mixture.nuisance
-        values = mixture.values
-        dz, x = np.split(beside, [len(self.fit.z)])
-        moves = jacobian @ (values - self.values)
-        moves += projection.jacobian @ np.concatenate([dz, x - self.x])
-        return _Step(mixture, values, self.fit.z + dz, x, float(moves @ moves))
+        ends = np.cumsum([len(self.fit.z), len(self.x)])
+        dz, x, later = np.split(mixture.nuisance, ends)
+        moves = jacobian @ (mixture.values - law.values)
+        moves += projection.jacobian @ np.concatenate([dz, x - self.x, later])
+        return _Step(mixture, mixture.values, self.fit.z + dz, x, self.instant + later, float(moves @ moves))
 
     def members(self, step: _Step) -> tuple[Candidate, ...]:
         """Return the members with the values of a step."""
-        law = self.law.replace(value=tuple(step.values.tolist()))
+        law = self.law.with_values(step.values)
+        if len(step.instant):
+            law = law.replace(instant=float(step.instant[0]))
         return (
             *members_at(self.fit.members, self.fit.parameters, step.z)[:-1],
             _member(law),
@@ -293,12 +318,13 @@ class _Linearised:
         members = self.members(step)
         law = members[-1].effect
         assert isinstance(law, TabulatedLaw)
-        root = step.mixture.root
-        change = self.jacobian @ (step.values - self.values) * self.scale
-        change += self.fit.jacobian @ (step.z - self.fit.z)
-        fit = replace(self.fit, members=members, z=step.z, residual=self.fit.residual + change)
-        sizes = estimates_at(fit, step.mixture.deviation)
-        spread = np.linalg.norm(root, axis=1)
+        root, fitted = step.mixture.root, len(self.fit.z) + len(self.x)
+        change = self.jacobian @ (step.values - self.law.values)
+        change += self.by_instant @ (step.instant - self.instant)
+        residual = self.fit.residual + change * self.scale + self.fit.jacobian @ (step.z - self.fit.z)
+        fit = replace(self.fit, members=members, z=step.z, residual=residual)
+        sizes = estimates_at(fit, step.mixture.deviation[:fitted])
+        spread = np.concatenate([np.linalg.norm(root, axis=1), step.mixture.deviation[fitted:]])
         knots = tuple(
             Estimate.normal(name, value, std, unit)
             for (name, value, unit), std in zip(law.parameters(), spread.tolist(), strict=True)
@@ -306,6 +332,7 @@ class _Linearised:
         return FittedLaw(
             law,
             root,
+            tuple(each for each in knots if each.name == "instant"),
             step.mixture.model,
             fit,
             replace(sizes, effects=[*sizes.effects[:-1], knots]),

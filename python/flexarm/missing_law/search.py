@@ -34,6 +34,12 @@ from flexarm.missing_law.windup import driven_joints
 NOTHING = (
     "no missing law was found: no motion of a joint, of the base or of a sensor is more likely than noise"
 )
+BRANCHES_OF = {
+    "law": ("value",),
+    "change": ("value", "value_after"),
+    "law with memory": ("value", "value_falling"),
+}
+"""Fields of `tabulated_law` that hold the curves of a law, by its kind."""
 STATELESS = ("time", "none")
 """Kinds that are no function of a state."""
 
@@ -223,15 +229,17 @@ class _About:
         ]
 
     def _as_table(self, latent: Latent, search: LawSearch, best: Law) -> list[_Told]:
-        """Return the law of a state, fitted through the simulation; also in place of two curves, if it leaves
+        """Return the law of a state, fitted through the simulation; one curve in place of two, if it leaves
         noise alone.
         """
         law = best if best.kind == "law" else search.law(best.of)
-        if search.share(law) < self.policy.least_share:
-            return []
-        told = list(self._fitted(latent, law, self._curves(latent, search, law)))
-        alone = best.kind == "law"
-        return [each for each in told if alone or each.noise < self.policy.adequate_noise]
+        told: list[_Told] = []
+        if search.share(law) >= self.policy.least_share:
+            told = list(self._fitted(latent, law, self._curves(latent, search, law)))
+        if best.kind == "law":
+            return told
+        alone = [each for each in told if each.noise < self.policy.adequate_noise]
+        return alone or list(self._fitted(latent, best, self._curves(latent, search, best)))
 
     def _curves(self, latent: Latent, search: LawSearch, law: Law) -> list[LawCurve]:
         """Return a law as a windup and, of other states than torque, as a torque that is lost."""
@@ -248,20 +256,15 @@ class _About:
     def _fitted(self, latent: Latent, law: Law, curves: Sequence[LawCurve]) -> Iterator[_Told]:
         """Yield laws that are tables of a model, fitted through the simulation."""
         has_one = self.fit.nuisance.arm.effect(TabulatedLaw.name, latent.at) is not None
-        if law.kind != "law" or law.of == "motor_angle" or has_one:
+        if law.of == "motor_angle" or has_one or law.only >= 0:
             return
+        stiffness = stiffness_of(latent)
         for curve in curves:
             if law.of not in ACTS[curve.quantity] or not allows("the law was fitted through the simulation"):
                 continue
-            table = TabulatedLaw.model_validate(
-                {
-                    "at": curve.at,
-                    "quantity": curve.quantity,
-                    "of": curve.of,
-                    "x": curve.x,
-                    "value": curve.value,
-                }
-            )
+            if law.kind == "law with memory" and (curve.quantity, law.of) != ("torque", "angle"):
+                continue
+            table = _table(law, curve, stiffness)
             try:
                 fitted = fitted_law(self.estimator, self.fit, table, self.policy)
                 arm = repaired(self.problem.arm, fitted.fit, fitted.sizes)
@@ -269,8 +272,26 @@ class _About:
                 train, held_out = self.check.gaps(arm)
             except FIT_ERRORS:
                 continue
-            told = replace(curve_of_fit(curve, fitted, self.policy), train=train, held_out=held_out)
+            told = replace(
+                curve_of_fit(curve, fitted, stiffness, self.policy), train=train, held_out=held_out
+            )
             yield _Told(told, AddedLaw(fitted, arm))
+
+
+def _table(law: Law, curve: LawCurve, stiffness: float) -> TabulatedLaw:
+    """Return the linear estimate of a law as an effect that acts as the quantity of a curve."""
+    per_windup = -stiffness if curve.quantity == "torque" else 1.0
+    branches = dict(zip(BRANCHES_OF[law.kind], law.mean.reshape(-1, len(law.knots)), strict=True))
+    return TabulatedLaw.model_validate(
+        {
+            "at": curve.at,
+            "quantity": curve.quantity,
+            "of": curve.of,
+            "x": law.knots,
+            "instant": law.instant[0] if law.instant else None,
+            **{name: per_windup * each for name, each in branches.items()},
+        }
+    )
 
 
 def _shares(evidence: Sequence[float], most: float) -> list[float]:
