@@ -14,6 +14,7 @@ projected residual b - Q Q^T b. `diagnosis.estimator` makes fits. Source: variab
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.linalg import LinAlgError
@@ -25,6 +26,9 @@ from flexarm.diagnosis.parameters import TransformedParameter
 from flexarm.diagnosis.residual_rows import is_non_smooth
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.named_effects import Place
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 
 class Projection:
@@ -53,6 +57,10 @@ class Projection:
         b = np.concatenate([residual, np.zeros((self.added, *residual.shape[1:]))])
         found: Floats = b - self.q @ (self.q.T @ b)
         return found
+
+    def explained(self, columns: csr_matrix) -> Floats:
+        """Q^T b of (2) for sparse residuals of shape (n, m): shape (k, m)."""
+        return np.asarray((columns.T @ self.q[: columns.shape[0]]).T)
 
     def solve(self, residual: Floats) -> Floats:
         """x of (2), shape (k,)."""

@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Projection
@@ -136,7 +137,7 @@ class ColumnSpace:
 
     data: GaussianData
     """y and B."""
-    columns: Floats
+    columns: Floats | csr_matrix
     """R."""
     gram: Floats
     """(P R)^T P R, shape (m, m)."""
@@ -146,9 +147,15 @@ class ColumnSpace:
     """|P y|^2."""
 
     @classmethod
-    def of(cls, data: GaussianData, columns: Floats) -> ColumnSpace:
-        """Project columns and data."""
-        projected, y = data.projection.project(columns), data.projection.project(data.y)
+    def of(cls, data: GaussianData, columns: Floats | csr_matrix) -> ColumnSpace:
+        """Project columns and data; sparse columns are those that nuisance parameters hardly explain."""
+        y = data.projection.project(data.y)
+        if isinstance(columns, csr_matrix):
+            explained = data.projection.explained(columns)
+            gram = (columns.T @ columns).toarray() - explained.T @ explained
+            moment = columns.T @ y[: len(data.y)]  # P y is normal to what P takes away
+            return cls(data, columns, gram, moment, float(y @ y))
+        projected = data.projection.project(columns)
         return cls(data, columns, projected.T @ projected, projected.T @ y, float(y @ y))
 
     def about(self, data: GaussianData) -> ColumnSpace:
@@ -195,7 +202,11 @@ class ColumnSpace:
 
 
 def matern_root(places: Floats, length: float) -> Floats:
-    """Return L of K = L L^T, the Matern covariance (5/2) of size one [Rasmussen2006, 4.2.1]."""
+    """Return L of K = L L^T, the Matern covariance (5/2) of size one [Rasmussen2006, 4.2.1], shape (m, k).
+
+    It has no more columns than matter: directions of less than 1e-12 of the greatest variance are left out.
+    """
     d = np.sqrt(5.0) * np.abs(places[:, None] - places[None]) / length
-    covariance = (1 + d + d**2 / 3) * np.exp(-d)
-    return np.asarray(np.linalg.cholesky(covariance + 1e-9 * np.eye(len(places))))
+    variances, directions = np.linalg.eigh((1 + d + d**2 / 3) * np.exp(-d))
+    seen = variances > 1e-12 * variances[-1]
+    return np.asarray(directions[:, seen] * np.sqrt(variances[seen]))

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import block_diag
+from scipy.sparse import csr_matrix, diags, lil_matrix
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
@@ -164,13 +165,13 @@ def _exact(
     problem: Problem,
     fit: Fit,
     bases: Sequence[Basis],
-    jacobian: Floats,
+    jacobian: Floats | csr_matrix,
     policy: LawPolicy,
 ) -> Latent:
     """Return the latent motion of a place whose response is linear; jacobian has shape (n, m)."""
     scale = noise_scale(problem, fit)
     data = GaussianData(-fit.residual / scale, nuisance_projection(problem, fit))
-    space = ColumnSpace.of(data, jacobian / scale[:, None])
+    space = ColumnSpace.of(data, diags(1 / scale) @ jacobian)
     model, mean, deviation, length = _most_likely(space, bases, policy)
     return Latent(at, quantity, unit, data, model, length, mean, deviation, bases)
 
@@ -184,10 +185,10 @@ def _offset(signal: str, problem: Problem, fit: Fit, policy: LawPolicy) -> Laten
     ]
     bases = [TimeBasis.over(float(each.time[0]), float(each.time[-1]) + 1e-6, policy) for each in rows]
     blocks = np.cumsum([0, *map(len, bases)])
-    jacobian = np.zeros((len(problem), blocks[-1]))
+    jacobian = lil_matrix((len(problem), int(blocks[-1])))
     for each, basis, first in zip(rows, bases, blocks, strict=False):
         jacobian[each.where, first : first + len(basis)] = -basis.at(each.time) / each.sigma
     unit = {"position": "m", "orientation": "-"}.get(
         problem.records[rows[0].record].signals[signal].quantity, ""
     )
-    return _exact(signal, "offset", unit, problem, fit, bases, jacobian, policy)
+    return _exact(signal, "offset", unit, problem, fit, bases, jacobian.tocsr(), policy)
