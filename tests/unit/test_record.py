@@ -345,7 +345,7 @@ def test_a_motor_that_moves_and_does_not_drive_is_a_doubt(record_dir: Path, mode
 def test_cells_apart_by_semicolons_are_said(record_dir: Path) -> None:
     for file in record_dir.glob("*.csv"):
         file.write_text(file.read_text().replace(",", ";"))
-    with pytest.raises(InvalidFile, match="these look separated by ';'"):
+    with pytest.raises(InvalidFile, match="cells are separated by ';'; allowed are commas"):
         Record.load(record_dir)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,9 @@ def read_text(file: Path) -> str:
     """
     if kind := foreign_kind(file):
         raise InvalidFile(file, "file", kind)
-    if (file / "record.toml").is_file():
-        raise InvalidFile(file, "file", "is a record, a file is needed; a command takes the model first")
+    with suppress(OSError):  # of names that are too long: refused below
+        if (file / "record.toml").is_file():
+            raise InvalidFile(file, "file", "is a record, a file is needed; a command takes the model first")
     regular_file(file)
     try:
         return file.read_bytes().decode("utf-8-sig")
