@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 
 from flexarm.diagnosis.fit import Projection
-from flexarm.missing_law.gaussian import GaussianData, GaussianModel
+from flexarm.missing_law.gaussian import ColumnSpace, GaussianData, GaussianModel, matern_root
 from flexarm.missing_law.law import knots_over
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.refit import curve_root, smooth_modes
@@ -68,3 +69,22 @@ def test_a_posterior_without_nuisance_is_ridge_regression():
     size = np.linalg.norm(model.factor) / np.linalg.norm(columns)
     ridge = np.linalg.solve(columns.T @ columns + model.noise / size**2 * np.eye(6), columns.T @ given.y)
     assert size * model.posterior()[0] == pytest.approx(ridge, rel=1e-6)
+
+
+def test_sparse_columns_have_the_normal_equations_of_dense_ones():
+    """|P R|^2 and (P R)^T P y from what nuisance parameters explain, or of the projected columns."""
+    rng = np.random.default_rng(4)
+    columns = np.where(rng.uniform(size=(40, 6)) < 0.3, rng.standard_normal((40, 6)), 0.0)
+    given = GaussianData(rng.standard_normal(40), Projection(rng.standard_normal((40, 3)), np.ones(3)))
+    dense, sparse = ColumnSpace.of(given, columns), ColumnSpace.of(given, csr_matrix(columns))
+    assert sparse.gram == pytest.approx(dense.gram, abs=1e-12)
+    assert sparse.moment == pytest.approx(dense.moment, abs=1e-12)
+    assert sparse.model(np.eye(6)).log_evidence == pytest.approx(dense.model(np.eye(6)).log_evidence)
+
+
+def test_a_root_of_the_matern_covariance_has_its_variances():
+    """Matern 5/2 at the distance of one length: (1 + sqrt(5) + 5/3) exp(-sqrt(5)) [Rasmussen2006, 4.17]."""
+    root = matern_root(np.linspace(0.0, 10.0, 41), 5.0)
+    covariance = root @ root.T
+    assert np.diag(covariance) == pytest.approx(np.ones(41), abs=1e-8)
+    assert covariance[0, 20] == pytest.approx((1 + 5**0.5 + 5 / 3) * np.exp(-(5**0.5)), abs=1e-8)
