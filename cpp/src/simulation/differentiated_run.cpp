@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "flexarm/errors.hpp"
+#include "flexarm/simulation/consistent_start.hpp"
 #include "flexarm/simulation/derivative_recorder.hpp"
 
 namespace flexarm::simulation {
@@ -59,9 +60,13 @@ StateDerivative part(const PlanarSystem& plane, const State& state, const StateD
   for (Eigen::Index k = 0; k < derivative.size(); ++k) {
     State column = state;  // twists and wrenches go over as velocities and multipliers do
     column.v = derivative.position.col(k);
+    column.v_dot = derivative.v_dot.col(k);
+    column.a = derivative.a.col(k);
     column.multipliers = derivative.multipliers.col(k);
     const auto projected = plane.part(column);
     flat.position.col(k) = projected.v;
+    flat.v_dot.col(k) = projected.v_dot;
+    flat.a.col(k) = projected.a;
     flat.multipliers.col(k) = projected.multipliers;
   }
   flat.law_x = derivative.law_x;
@@ -83,11 +88,14 @@ CompanionIn<D> companion(SensitivitiesIn<D>& sensitivities, DerivativeRecorderIn
 
 }  // namespace
 
-DifferentiatedRun simulate(const System& system, const Equilibrium& equilibrium,
+DifferentiatedRun simulate(const System& system, const Equilibrium& at_rest,
                            const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
                            std::vector<Variation> variations, StateDerivative initial,
                            const Progress& progress) {
   DifferentiatedRun result;
+  const Equilibrium equilibrium =
+      consistent_start(system, at_rest, drives_of_joints<3>(system, at_rest.state, drives), options.start);
+  initial = consistent_start(system, equilibrium, options.start, variations, std::move(initial));
   const Eigen::Index n = number_of_steps(system.joints().size(), drives, options) + 1;
   const auto coefficients = HhtCoefficients::from_alpha(options.alpha);
   if (const auto plane = in_plane(system, equilibrium, variations, options)) {

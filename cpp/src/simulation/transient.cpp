@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "flexarm/errors.hpp"
+#include "flexarm/simulation/consistent_start.hpp"
 #include "flexarm/simulation/recorder.hpp"
 
 namespace flexarm::simulation {
@@ -192,10 +193,12 @@ Transient simulate_in_plane(const assembly::PlanarSystem& plane, const Equilibri
 Transient simulate(const System& system, const Equilibrium& equilibrium,
                    const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
                    const Progress& progress) {
-  if (const auto plane = plane_of(system, equilibrium, options).system) {
-    return simulate_in_plane(*plane, equilibrium, drives, options, progress);
+  const Equilibrium start = consistent_start(
+      system, equilibrium, drives_of_joints<3>(system, equilibrium.state, drives), options.start);
+  if (const auto plane = plane_of(system, start, options).system) {
+    return simulate_in_plane(*plane, start, drives, options, progress);
   }
-  return simulate_in_space(system, equilibrium, drives, options, progress);
+  return simulate_in_space(system, start, drives, options, progress);
 }
 
 }  // namespace flexarm::simulation

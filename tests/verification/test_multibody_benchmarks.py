@@ -1,0 +1,138 @@
+"""Mechanisms of the multibody literature with closed loops, against published and closed solutions."""
+
+from __future__ import annotations
+
+import benchmark_mechanisms as mechanisms
+import numpy as np
+import pytest
+from arms import G, arm, drive, rigid
+from pytest import approx
+from scipy.integrate import solve_ivp
+from scipy.special import ellipk
+
+import flexarm
+
+
+def released(
+    model: flexarm.Arm, joint: str, angle: float, torque, end: float, step: float, alpha: float = 0.0, **more
+) -> flexarm.Simulation:
+    """The model held at an angle of a joint, which a torque drives from the time 0 on."""
+    pushed = drive({joint: torque}, end, 2001, side="torque")
+    told = flexarm.Drive(pushed.joints, {joint: angle}, 0.0, end)
+    return flexarm.simulate(model, told, step=step, alpha=alpha, **more)
+
+
+def squeezed(step: float, **more) -> flexarm.Simulation:
+    """Andrews' squeezer under 0.033 N m."""
+    start = mechanisms.SQUEEZER_START["beta"]
+    constant = lambda t: np.full_like(t, 0.033)  # noqa: E731
+    return released(mechanisms.andrews_squeezer(), "beta", start, constant, 0.03, step, **more)
+
+
+def test_andrews_squeezer_ends_as_the_reference_solution():
+    """All seven angles at 0.03 s: second order, and extrapolated to 1e-7 rad of 15.8."""
+    expected = np.array(list(mechanisms.SQUEEZER_END.values()))
+    coarse, fine = (squeezed(step).joint_angle[-1, :7] for step in (2e-5, 1e-5))
+    assert np.abs(coarse - expected).max() == approx(4 * np.abs(fine - expected).max(), rel=0.01)
+    assert np.abs(fine - expected).max() < 1.1e-4
+    assert (4 * fine - coarse) / 3 == approx(expected, abs=2e-7)
+
+
+def test_the_squeezer_keeps_its_energy():
+    """Work of the torque is kinetic energy and that of the spring."""
+    run = squeezed(1e-5, energies=True)
+    balance = run.kinetic + run.elastic - run.work
+    assert np.ptp(run.elastic) > 0.1
+    assert np.abs(balance - balance[0]).max() < 1e-4 * np.ptp(run.kinetic)
+
+
+def push(t):
+    """A torque that tips the cranks over within 0.2 s [N m]."""
+    return -15.0 * np.sin(5 * np.pi * np.minimum(t, 0.2)) ** 2
+
+
+def upright_crank(time: np.ndarray) -> np.ndarray:
+    """Angle of the cranks by J q'' = T - V'(q), J = 3/3 + 2 kg m2 and V = 3.5 g sin q J."""
+
+    def change(t, y):
+        return [y[1], (float(push(np.array(t))) - 3.5 * G * np.cos(y[0])) / 3.0]
+
+    found = solve_ivp(
+        change, (0, time[-1]), [np.pi / 2, 0], "DOP853", time, rtol=1e-12, atol=1e-13, max_step=0.02
+    )
+    return found.y[0]
+
+
+def test_two_four_bars_pass_two_poses_in_line():
+    """There three freedoms open for an instant; the mechanism goes on with all cranks parallel."""
+    error = []
+    for step in (4e-3, 2e-3):
+        run = released(mechanisms.four_bar_windows(2), "A0", np.pi / 2, push, 1.6, step)
+        assert run.joint_angle[:, 0].min() < -np.pi  # both have been passed
+        assert np.abs(run.joint_angle[:, 1:3] - run.joint_angle[:, :1]).max() < 1e-9
+        error.append(np.abs(run.joint_angle[:, 0] - upright_crank(run.time)).max())
+    assert error[1] < 7e-5
+    assert error[0] / error[1] == approx(4, rel=0.05)
+
+
+def test_two_four_bars_keep_their_energy_over_many_turns():
+    """Eight poses in line within 6 s, with the default damping."""
+    run = released(mechanisms.four_bar_windows(2), "A0", np.pi / 2, push, 6.0, 2e-3, -0.05, energies=True)
+    assert run.joint_angle[-1, 0] < -4 * np.pi
+    balance = run.kinetic + run.gravity - run.work
+    assert np.abs(balance - balance[0]).max() < 3e-4 * np.ptp(run.kinetic)
+
+
+def bricard(step: float) -> flexarm.Simulation:
+    return released(mechanisms.bricard(), "h0", 0.0, np.zeros_like, 10.0, step, -0.05, energies=True)
+
+
+def test_bricards_mechanism_has_one_freedom_where_gruebler_counts_none():
+    """One of six hinges' 5 conditions repeats; opposite angles are equal, sin a + sin b = sin a sin b."""
+    energy, place = [], []
+    for step in (4e-3, 2e-3):
+        run = bricard(step)
+        assert run.solver["redundant_conditions"] == 1
+        a, b = run.joint_angle[:, 0], run.joint_angle[:, 1]
+        assert np.ptp(a) > 3
+        assert run.joint_angle[:, [2, 4, 3]] == approx(np.stack([a, a, b], axis=1), abs=1e-8)
+        assert np.abs(np.sin(a) + np.sin(b) - np.sin(a) * np.sin(b)).max() < 1e-8
+        total = run.kinetic + run.gravity
+        energy.append(np.abs(total - total[0]).max() / np.ptp(run.kinetic))
+        place.append(run.position[:: round(4e-3 / step), 0])
+    assert energy[1] < 4e-5
+    assert energy[0] / energy[1] > 3
+    assert np.abs(place[0][:2500] - place[1][:2500]).max() < 1e-2
+
+
+@pytest.mark.parametrize("alpha", [0.0, -0.05])
+def test_a_pendulum_let_go_from_the_horizontal_swings_with_its_elliptic_period(alpha):
+    """T = 4 K(1/2) sqrt(l/g) for a point mass on a bar without mass; second order from the first step on."""
+    hinge = {"name": "q", "type": "revolute", "parent": "base", "child": "bob", "axis": [0, -1, 0]}
+    pendulum = arm(joints=[hinge], links=[rigid("bob", 1.0, (1.0, 0, 0))])
+    period = 4 * ellipk(0.5) / np.sqrt(G)
+    error = []
+    for steps in (500, 1000):
+        run = released(pendulum, "q", 0.0, np.zeros_like, 0.25 * period, 0.25 * period / steps, alpha)
+        error.append(abs(run.joint_angle[steps, 0] + np.pi / 2))
+    assert error[1] < 3e-6
+    assert error[0] / error[1] == approx(4, rel=0.1)
+
+
+def test_derivatives_of_a_start_that_torques_do_not_hold_are_those_of_differences():
+    """Of a crank with a payload, let go: the accelerations at the start depend on the parameter, too."""
+    hinge = {"name": "q", "type": "revolute", "parent": "base", "child": "bob", "axis": [0, -1, 0]}
+    key = "payloads.load.mass"
+
+    def run(mass: float, **more) -> flexarm.Simulation:
+        load = {"name": "load", "link": "bob", "position": [0.8, 0, 0.1], "mass": mass}
+        model = arm(joints=[hinge], links=[rigid("bob", 1.0, (0.4, 0, 0), (0.1, 0.1, 0.1))], payloads=[load])
+        return released(model, "q", 0.3, lambda t: 2.0 + 3.0 * t, 0.5, 2e-3, **more)
+
+    for dimension in ("plane", "space"):
+        found = run(2.0, sensitivities=[key], dimension=dimension).sensitivities.by(key)
+        plus, minus = run(2.001, dimension=dimension), run(1.999, dimension=dimension)
+        for name, most in (("joint_angle", 1e-6), ("joint_rate", 1e-6), ("joint_torque", 1e-5)):
+            expected = (getattr(plus, name) - getattr(minus, name)) / 2e-3
+            scale = max(np.abs(expected).max(), 1.0)
+            assert found[name] == approx(expected, abs=most * scale), (dimension, name)
