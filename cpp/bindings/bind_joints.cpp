@@ -70,6 +70,19 @@ void bind_joints(py::module_& m) {
              return WoundSpring{spring, of, std::move(windup)};
            }),
            py::arg("spring"), py::arg("of"), py::arg("windup"));
+  py::class_<OilColumn>(m, "OilColumn", "Oil on both sides of a hydraulic piston.")
+      .def(py::init([](double beta, double piston, double ring, double dead, double retracted, double stroke,
+                       double damping) {
+             return OilColumn{beta, piston, ring, dead, retracted, stroke, damping};
+           }),
+           py::kw_only(), py::arg("bulk_modulus"), py::arg("piston_area"), py::arg("ring_area"),
+           py::arg("dead_volume"), py::arg("retracted"), py::arg("stroke"), py::arg("damping") = 0.0);
+  py::class_<EndCushion>(m, "EndCushion", "End stops with cushions.")
+      .def(py::init([](double low, double high, double stiffness, double length, double damping) {
+             return EndCushion{low, high, stiffness, length, damping};
+           }),
+           py::kw_only(), py::arg("low"), py::arg("high"), py::arg("stiffness"), py::arg("length"),
+           py::arg("damping") = 0.0);
   py::class_<Transmission>(m, "Transmission",
                            "psi = phi/scale + amplitude sin(multiple phi + phase) - windup(phi).")
       .def(py::init([](double scale, double amplitude, double multiple, double phase,

@@ -30,6 +30,7 @@ __all__: list[str] = [
     "Dimension",
     "DriveKind",
     "DriveTrain",
+    "EndCushion",
     "Equilibrium",
     "Frame",
     "Gear",
@@ -47,6 +48,7 @@ __all__: list[str] = [
     "Moment",
     "MonotoneCubic",
     "Of",
+    "OilColumn",
     "Payload",
     "Pedestal",
     "PiecewisePolynomial",
@@ -284,6 +286,36 @@ class WoundSpring:
     """
     def __init__(self, spring: ReducerSpring, of: Of, windup: ChangingTable) -> None: ...
 
+class OilColumn:
+    """
+    Oil on both sides of a hydraulic piston.
+    """
+    def __init__(
+        self,
+        *,
+        bulk_modulus: typing.SupportsFloat | typing.SupportsIndex,
+        piston_area: typing.SupportsFloat | typing.SupportsIndex,
+        ring_area: typing.SupportsFloat | typing.SupportsIndex,
+        dead_volume: typing.SupportsFloat | typing.SupportsIndex,
+        retracted: typing.SupportsFloat | typing.SupportsIndex,
+        stroke: typing.SupportsFloat | typing.SupportsIndex,
+        damping: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
+
+class EndCushion:
+    """
+    End stops with cushions.
+    """
+    def __init__(
+        self,
+        *,
+        low: typing.SupportsFloat | typing.SupportsIndex,
+        high: typing.SupportsFloat | typing.SupportsIndex,
+        stiffness: typing.SupportsFloat | typing.SupportsIndex,
+        length: typing.SupportsFloat | typing.SupportsIndex,
+        damping: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> None: ...
+
 class Transmission:
     """
     psi = phi/scale + amplitude sin(multiple phi + phase) - windup(phi).
@@ -318,6 +350,8 @@ class DriveTrain:
                 | TabulatedFriction
                 | TabulatedTorque
                 | WoundSpring
+                | OilColumn
+                | EndCushion
             ]
         ] = [],
         motor: collections.abc.Sequence[
@@ -329,6 +363,8 @@ class DriveTrain:
             | TabulatedFriction
             | TabulatedTorque
             | WoundSpring
+            | OilColumn
+            | EndCushion
         ] = [],
         bearing: collections.abc.Sequence[
             ReducerSpring
@@ -339,6 +375,8 @@ class DriveTrain:
             | TabulatedFriction
             | TabulatedTorque
             | WoundSpring
+            | OilColumn
+            | EndCushion
         ] = [],
     ) -> None: ...
 
@@ -473,6 +511,7 @@ class Hinge:
         axis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"],
         stiffness: typing.SupportsFloat | typing.SupportsIndex,
         damping: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        type: JointType = JointType.revolute,
     ) -> None: ...
 
 class Joint:
@@ -551,6 +590,8 @@ class Closure:
             | TabulatedFriction
             | TabulatedTorque
             | WoundSpring
+            | OilColumn
+            | EndCushion
         ] = [],
     ) -> None: ...
 

@@ -44,7 +44,7 @@ class Modes(Result):
     shape : ndarray, shape (mode, point, 6)
         Translation and rotation of the points, base axes, unit modal mass [m, rad per sqrt(kg) m].
     solver : dict
-        Backend and iterations.
+        Backend and iterations; of closed loops the joints that were `driven`.
     drive_angle : ndarray, shape (joint,), or None
         Where the drives are held, and joints of loops that follow stand [rad, m]; None in files of flexarm
         0.1.0.
@@ -120,7 +120,7 @@ class Modes(Result):
                 damped_frequency_hz=data["damped_frequency"].values,
                 damping_ratio=data["damping_ratio"].values,
                 shape=data["shape"].values,
-                solver={k: data.attrs[k] for k in ("backend", "iterations")},
+                solver={k: data.attrs[k] for k in ("backend", "iterations", "driven") if k in data.attrs},
                 drive_angle=frozen(data["drive_angle"].values) if "drive_angle" in data else None,
                 with_gravity=bool(data.attrs.get("with_gravity", True)),
                 sensitivities=Sensitivities.stored(arm, data),
@@ -224,16 +224,23 @@ def modes(
         damped_frequency_hz=frozen(found.damped_frequency_hz),
         damping_ratio=frozen(found.damping_ratio),
         shape=frozen(shape),
-        solver={"backend": _core.build_info().solver, "iterations": found.iterations},
+        solver={
+            "backend": _core.build_info().solver,
+            "iterations": found.iterations,
+            **({"driven": " ".join(joints or ())} if arm.closures else {}),
+        },
         drive_angle=frozen(angles),
         with_gravity=gravity,
-        sensitivities=_derivatives(arm, parameters(arm, sensitivities), system, equilibrium, count, at_rest),
+        sensitivities=_derivatives(
+            arm, parameters(arm, sensitivities), tuple(joints or ()), system, equilibrium, count, at_rest
+        ),
     )
 
 
 def _derivatives(
     arm: Arm,
     wanted: tuple[Parameter, ...],
+    driven: tuple[str, ...],
     system: _core.System,
     equilibrium: _core.Equilibrium,
     count: int,
@@ -241,7 +248,7 @@ def _derivatives(
 ) -> Sensitivities | None:
     if not wanted:
         return None
-    beside, places = varied(arm, wanted, assemble)
+    beside, places = varied(arm, wanted, lambda other: assemble(other, driven=driven))
     named = [wanted[place] for place in places]
     if any(parameter.one_sided for parameter in named):
         moving = _core.static_derivative(system, equilibrium, beside)

@@ -354,3 +354,38 @@ def test_a_page_shows_the_closed_loop(tmp_path):
     arm.view().save(tmp_path / "crane.html")
     flexarm.static(arm, {"piston": 0.4}).view().save(tmp_path / "static.html")
     assert "rod_eye" in (tmp_path / "crane.html").read_text(encoding="utf-8")
+
+
+def test_pages_of_modes_and_runs_show_the_closed_loop(tmp_path):
+    """Also of stored ones, whether the piston is driven or the boom."""
+    arm = loops.crane(loops.beam("boom", 3.0))
+
+    def page(name: str, result) -> str:
+        result.save(tmp_path / f"{name}.nc")
+        again = type(result).load(tmp_path / f"{name}.nc")
+        assert again.solver["driven"] == result.solver["driven"]
+        again.view().save(tmp_path / f"{name}.html")
+        return (tmp_path / f"{name}.html").read_text(encoding="utf-8")
+
+    for driven, at in (("piston", 0.4), ("boom_pin", boom_angle(0.4))):
+        found = flexarm.modes(arm, {driven: at}, count=2)
+        assert found.solver["driven"] == driven
+        assert f"{found.frequency_hz[0]:.4g} Hz" in page(f"modes-{driven}", found)
+        run = flexarm.simulate(arm, flexarm.Drive.from_samples([0, 0.1, 0.2], {driven: [at, at, at]}))
+        shown = page(f"run-{driven}", run)
+        assert "rod_eye" in shown
+        assert "made again" not in shown
+
+
+def test_derivatives_of_modes_hold_the_joint_that_was_driven():
+    """Central differences by the modulus, the boom held at its pin instead of the piston."""
+    key, at = "links.boom.material.youngs_modulus", {"boom_pin": boom_angle(0.4)}
+
+    def frequency(modulus: float) -> float:
+        boom = loops.beam("boom", 3.0)
+        boom["material"] = {**boom["material"], "youngs_modulus": modulus}
+        return float(flexarm.modes(loops.crane(boom), at, count=1).frequency_hz[0])
+
+    found = flexarm.modes(loops.crane(loops.beam("boom", 3.0)), at, count=1, sensitivities=[key])
+    expected = (frequency(211e9) - frequency(209e9)) / 2e9
+    assert found.sensitivities.by(key)["frequency"][0] == approx(expected, rel=1e-4)

@@ -2,7 +2,8 @@
 ///
 ///     link a -- mount -- pin -- link b
 ///
-/// The pin turns about the axis of a revolute closure on the laws of its bearing, and b is fixed to it.
+/// The pin turns about the axis of the closure, or slides along it, on the laws of its bearing. What else the
+/// closure leaves free lies between pin and b: a revolute closure behind the pin of a cylindrical one.
 /// Without a bearing the closure itself ties b to the mount.
 #include "flexarm/assembly/system.hpp"
 #include "flexarm/errors.hpp"
@@ -39,12 +40,13 @@ void System::place_closures() {
       };
       rigid_closures_.add(closure.name, constraint(closure.type, a.node, a.X));
       loop_ends_.emplace_back(a.link, b.link);
-      if (!closure.bearing.empty() && closure.type != ClosureType::revolute)
-        throw InvalidParameter("only a revolute closure has a bearing");
+      const bool has_pin = !closure.bearing.empty();
+      if (has_pin && !closure.pin())
+        throw InvalidParameter("a bearing needs a closure that turns about its axis, or slides along it");
       const std::vector<model::Hinge> chain = closure.hinges();
       const int node = carry(chain, first_hinge, a.node, a.X, constraints_);
-      closures_.add(closure.name, constraint(closure.bearing.empty() ? closure.type : ClosureType::fixed,
-                                             node, chain.empty() ? a.X : Frame{}));
+      closures_.add(closure.name, constraint(has_pin ? closure.pin()->rest : closure.type, node,
+                                             chain.empty() ? a.X : Frame{}));
       hinges_of_closures_.push_back(first_hinge);
       first_hinge += chain.size();
       for (std::size_t k = 0; k < chain.size(); ++k)
@@ -56,7 +58,7 @@ void System::place_closures() {
   n_constraints_ += closures_.rows();
 }
 
-/// Mounts are undeflected; the pin of a bearing stands as b does about the axis.
+/// Mounts are undeflected; the pin of a bearing stands as b does about the axis, or along it.
 void System::place_hinges_of_closures(State& state) const {
   for (std::size_t k = 0; k < rigid_closures_.size(); ++k) {
     const model::Closure& closure = arm_.closures[k];
@@ -66,9 +68,11 @@ void System::place_hinges_of_closures(State& state) const {
     const auto* hinge = hinges_.data() + hinges_of_closures_[k];
     for (std::size_t i = 0; i < closure.mount.size(); ++i) state.frames[(hinge++)->node] = A;
     if (closure.bearing.empty()) continue;
-    state.s[hinge->theta] = constraint.turn(H_a, H_b);
-    state.frames[hinge->node] =
-        A * exp6(state.s[hinge->theta] * joints::motion_twist(joints::JointType::revolute, closure.axis));
+    const joints::JointType motion = closure.pin()->motion;
+    state.s[hinge->theta] = motion == joints::JointType::revolute
+                                ? constraint.turn(H_a, H_b)
+                                : (A.R * closure.axis.normalized()).dot(constraint.place_on_b(H_b) - A.x);
+    state.frames[hinge->node] = A * exp6(state.s[hinge->theta] * joints::motion_twist(motion, closure.axis));
   }
 }
 

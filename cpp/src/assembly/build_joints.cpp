@@ -112,7 +112,7 @@ int System::carry(const std::vector<model::Hinge>& chain, std::size_t first_hing
                   std::vector<joints::JointConstraint>& into) const {
   for (const model::Hinge& hinge : chain) {
     const HingeCoordinates& at = hinges_[first_hinge++];
-    into.emplace_back(JointType::revolute, node, X, at.node, Frame{}, hinge.axis, at.theta);
+    into.emplace_back(hinge.type, node, X, at.node, Frame{}, hinge.axis, at.theta);
     node = at.node;
     X = Frame{};
   }

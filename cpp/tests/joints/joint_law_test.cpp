@@ -35,13 +35,16 @@ const std::vector<JointLaw> all_laws = {
     TabulatedFriction{MonotoneCubic({-0.2, 0.0, 0.4}, {-3, 1, 2}), 0.05},
     TabulatedTorque{Of::angle, falling},
     WoundSpring{{300, 4, 2e3}, Of::torque, table},
-    WoundSpring{{.stiffness = 300, .damping = 4, .gap = 0.11, .fade_width = 0.02}, Of::torque, table}};
-static_assert(std::variant_size_v<JointLaw> == 8, "a new law joins all_laws");
+    WoundSpring{{.stiffness = 300, .damping = 4, .gap = 0.11, .fade_width = 0.02}, Of::torque, table},
+    EndCushion{.low = -0.055, .high = 0.2, .stiffness = 400, .length = 0.04, .damping = 3},
+    EndCushion{.low = -0.4, .high = 0.1, .stiffness = 400, .length = 0.2, .damping = 3}};
 
 const std::vector<JointLaw> laws_of_two = {TabulatedTorque{Of::motor_angle, curve},
                                            WoundSpring{{300, 4, 2e3}, Of::torque, {table, soft, 0.01, 0.05}},
                                            WoundSpring{{300, 4, 2e3}, Of::angle, curve},
-                                           WoundSpring{{300, 4, 2e3}, Of::rate, curve}};
+                                           WoundSpring{{300, 4, 2e3}, Of::rate, curve},
+                                           OilColumn{1e6, 0.02, 0.01, 1e-3, 0.05, 0.4, 4}};
+static_assert(std::variant_size_v<JointLaw> == 10, "a new law joins all_laws or laws_of_two");
 
 }  // namespace
 
@@ -171,7 +174,39 @@ TEST_CASE("Every law refuses a negative coefficient and says which") {
   refuses(WoundSpring{{300}, Of::motor_angle, table}, "the teeth wind up with the motor's angle");
   refuses(WoundSpring{{-3}, Of::torque, table}, "joint stiffness must be positive");
   refuses(WoundSpring{{300}, Of::torque, MonotoneCubic({0, 1}, {0, -1.0 / 299})}, "leaves it no stiffness");
-  for (const JointLaw& law : all_laws) CHECK_NOTHROW(check(law));
+  const OilColumn oil{1e6, 0.02, 0.01, 1e-3, 0.05, 0.4, 4};
+  const auto column = [&](double OilColumn::* key, double value) {
+    OilColumn changed = oil;
+    changed.*key = value;
+    return changed;
+  };
+  refuses(column(&OilColumn::bulk_modulus, 0), "bulk modulus of the oil must be positive, got 0");
+  refuses(column(&OilColumn::piston_area, -1), "area of the piston must be positive, got -1");
+  refuses(column(&OilColumn::ring_area, -1), "area of the ring must not be negative, got -1");
+  refuses(column(&OilColumn::dead_volume, 0), "dead volume must be positive, got 0");
+  refuses(column(&OilColumn::stroke, 0), "stroke must be positive, got 0");
+  refuses(column(&OilColumn::damping, -1), "damping of the oil column must not be negative, got -1");
+  refuses(EndCushion{0.1, 0.1, 1, 0.01, 0}, "upper end must lie above the lower one, got 0.1");
+  refuses(EndCushion{0, 0.1, 0, 0.01, 0}, "stiffness of the ends must be positive, got 0");
+  refuses(EndCushion{0, 0.1, 1, 0.06, 0}, "length of the cushions must be positive and at most half");
+  refuses(EndCushion{0, 0.1, 1, 0.01, -1}, "damping of the cushions must not be negative, got -1");
+  for (const auto* laws : {&all_laws, &laws_of_two}) {
+    for (const JointLaw& law : *laws) CHECK_NOTHROW(check(law));
+  }
+}
+
+TEST_CASE("A cushion resists on the way to its end only, and an oil column is stiff at its ends") {
+  const EndCushion ends{.low = -1, .high = 1, .stiffness = 50, .length = 0.2, .damping = 8};
+  CHECK(ends.respond(0.9, 2, {}).force == near(8 * 0.5 * 2, 1e-14));  // half way: g = 1/2
+  CHECK(ends.respond(-0.9, -2, {}).force == near(-8 * 0.5 * 2, 1e-14));
+  CHECK(ends.respond(1.1, -2, {}).force == near(50 * 0.1, 1e-14));
+  for (double x : {-0.7, 0.0, 0.7}) CHECK(ends.respond(x, 2, {}).force == 0);
+  const OilColumn oil{1e9, 8e-3, 8e-3, 4e-4, 0.1, 0.8};
+  const auto k = [&](double stroke) { return oil.respond(0, 0, {}, {.value = stroke}).stiffness; };
+  CHECK(k(0.5) == near(2 * 1e9 * 8e-3 * 8e-3 / (4e-4 + 8e-3 * 0.4), 1e-14));
+  CHECK(k(0.1) == near(k(0.9), 1e-14));
+  CHECK(k(-3) == near(k(0.1), 1e-14));
+  CHECK(k(0.3) > k(0.5));
 }
 
 TEST_CASE("Only friction stays out of statics") {

@@ -20,6 +20,12 @@ WITHOUT_AXIS = ("spherical", "fixed")
 """Types that have no axis."""
 
 
+SLIDING = ("prismatic", "cylindrical", "point_on_line")
+"""Types along whose axis laws of effects act, and not about it."""
+PINNED = ("revolute", *SLIDING)
+"""Types at whose pin effects act."""
+
+
 class Closure(Table):
     """A closure: a joint that ties a place on link `a` to a place on link `b` and so closes a loop."""
 

@@ -240,7 +240,7 @@ def _effects(arm: Arm) -> Found:
     closures = {closure.name: closure for closure in arm.closures}
     for i, effect in enumerate(arm.effects):
         known, closure = names[effect.place], closures.get(effect.at)
-        at_closure = closure is not None and closure.type == "revolute" and effect.at_closures
+        at_closure = closure is not None and closure.type in effect.at_closures
         if known is None or effect.at in known or at_closure:
             yield from ((("effects", i, key), what) for key, what in effect.problems(arm))
         elif closure is not None:
@@ -253,7 +253,10 @@ def _effects(arm: Arm) -> Found:
 def _not_at_closure(effect: Effect, closure: Closure) -> str:
     """Sentence on an effect that does not act at a closure."""
     if effect.at_closures:
-        return f"{closure.name!r} is a {closure.type} closure; {effect.name} acts at a revolute one"
+        return (
+            f"{closure.name!r} is a {closure.type} closure; {effect.name} acts at one that is "
+            + " or ".join(effect.at_closures)
+        )
     return (
         f"{closure.name!r} is a closure, where {effect.name} does not act; "
         "cut the loop elsewhere, so that this is a joint of the tree"

@@ -26,8 +26,8 @@ class EffectTraits(Table):
     At the output of a rigid joint the drive takes it, and no place moves. At the motor it moves the arm where
     the joint follows commands; else only a motor's torque shows it.
     """
-    at_closures: ClassVar[bool] = False
-    """True if it acts at a revolute closure, too: about its axis, or in its bearing."""
+    at_closures: ClassVar[tuple[str, ...]] = ()
+    """Types of closures at which it acts, too: about the axis, along it, or in the bearing."""
     sought_of_commands: ClassVar[tuple[str, ...]] = ()
     """Parameters that a search fits only at joints that follow commands; elsewhere another effect stands for
     them."""

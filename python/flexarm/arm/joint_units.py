@@ -5,19 +5,29 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from flexarm.arm.closure import SLIDING
+
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.arm.effect import Effect
     from flexarm.arm.prior import Prior
 
-SLIDING = {"rad": "m", "rad/s": "m/s", "N m": "N", "N m/rad": "N/m", "N m/rad3": "N/m3", "N m s/rad": "N s/m"}
+ALONG = {
+    "rad": "m",
+    "rad/s": "m/s",
+    "N m": "N",
+    "N m/rad": "N/m",
+    "N m/rad3": "N/m3",
+    "N m s/rad": "N s/m",
+    "m3/rad": "m2",
+}
 """Units along a prismatic joint by those about a revolute one."""
 
 
 def unit_at(effect: Effect, arm: Arm, parameter: str, unit: str) -> str:
     """Return the unit of a parameter of an effect where it acts; phases of waves are angles everywhere."""
     along = not effect.always_turns and _slides(arm, effect.at) and parameter != "phase"
-    return SLIDING.get(unit, unit) if along else unit
+    return ALONG.get(unit, unit) if along else unit
 
 
 def parameters_in(effect: Effect, arm: Arm) -> list[tuple[str, float, str]]:
@@ -34,6 +44,7 @@ def priors_in(effect: Effect, arm: Arm) -> dict[str, Prior]:
 
 
 def _slides(arm: Arm, at: str) -> bool:
-    """Return True if a place is a joint that slides, or an encoder or torque sensor of one."""
+    """Return True if a place is a joint or closure that slides, or an encoder or torque sensor of one."""
     joint = next((sensor.joint for sensor in arm.sensors if sensor.name == at), at)
-    return any(each.name == joint and each.type == "prismatic" for each in arm.joints)
+    slides = {each.name for each in arm.joints if each.type == "prismatic"}
+    return joint in slides | {each.name for each in arm.closures if each.type in SLIDING}

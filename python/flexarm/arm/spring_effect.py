@@ -23,7 +23,9 @@ from flexarm.arm.rotation import Vector
 from flexarm.tables import Inconsistent, Number, Vector2
 
 
-def _one_or_two(unit: str, positive: bool) -> BeforeValidator:
+def one_or_two(unit: str, positive: bool) -> BeforeValidator:
+    """Return a check of one number, or of two for two axes, in a unit."""
+
     def check(value: Any) -> Any:
         value = value.tolist() if hasattr(value, "tolist") else value
         numbers = tuple(value) if isinstance(value, list | tuple) else (value,)
@@ -39,8 +41,8 @@ def _one_or_two(unit: str, positive: bool) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-Stiffness = Annotated[Number | Vector2, _one_or_two("N m/rad", positive=True)]
-Damping = Annotated[Number | Vector2, _one_or_two("N m s/rad", positive=False)]
+Stiffness = Annotated[Number | Vector2, one_or_two("N m/rad", positive=True)]
+Damping = Annotated[Number | Vector2, one_or_two("N m s/rad", positive=False)]
 """About one axis, or about each of two."""
 
 

@@ -30,6 +30,8 @@ _SUFFIXES = {
     "kg_m3": "kg/m3",
     "m2": "m2",
     "m4": "m4",
+    "m3": "m3",
+    "m3_rad": "m3/rad",
     "Nm_rad": "N m/rad",
     "Nms_rad": "N m s/rad",
     "Nm": "N m",

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         | _core.LugreFriction
         | _core.TabulatedFriction
         | _core.TabulatedTorque
+        | _core.EndCushion
     )
 
 
@@ -63,6 +64,8 @@ class DriveTrain:
     windup: tuple[Literal["angle", "rate", "torque"], _core.ChangingTable] | None = None
     """By how much more than its torque makes of it the reducer winds up: a table of the link's angle, of its
     rate, or of the spring's torque [rad]."""
+    oil: _core.OilColumn | None = None
+    """Between the valve, whose stroke the motor's angle is, and the reducer."""
     motor: list[Law] = field(default_factory=list)
     bearing: list[Law] = field(default_factory=list)
     """Laws on the motor's angle, and at the output bearing on the link's."""
@@ -75,11 +78,12 @@ class DriveTrain:
 
     def core(self) -> _core.DriveTrain:
         """Return the train as the core takes it: a rigid one has no stage between motor and link."""
+        stages: list[list[Any]] = [] if self.oil is None else [[self.oil]]
         return _core.DriveTrain(
             gear_ratio=self.gear_ratio,
             rotor_inertia=self.rotor_inertia,
             transmission=None if self.transmission is None else self.transmission.core(),
-            stages=[] if isinf(self.stiffness) else [self._reducer()],
+            stages=stages if isinf(self.stiffness) else [*stages, self._reducer()],
             motor=self.motor,
             bearing=self.bearing,
         )

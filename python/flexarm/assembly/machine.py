@@ -31,7 +31,12 @@ def tilted(base: Base) -> Matrix:
 def core_hinges(hinges: Iterable[Hinge]) -> list[_core.Hinge]:
     """Return hinges as the core takes them."""
     return [
-        _core.Hinge(axis=np.array(each.axis), stiffness=each.stiffness, damping=each.damping)
+        _core.Hinge(
+            axis=np.array(each.axis),
+            stiffness=each.stiffness,
+            damping=each.damping,
+            type=_core.JointType.prismatic if each.slides else _core.JointType.revolute,
+        )
         for each in hinges
     ]
 
@@ -102,6 +107,8 @@ class Hinge:
     stiffness: float
     damping: float
     """Of its spring and damper [N m/rad], [N m s/rad]."""
+    slides: bool = False
+    """True if it gives along the axis [N/m], [N s/m]."""
 
 
 @dataclass
@@ -138,9 +145,14 @@ class Machine:
     base: Base
     ends: dict[tuple[str, str], Place] = field(default_factory=dict)
 
-    def mount(self, joint: str, springs: Iterable[Spring]) -> None:
-        """Put hinges between a joint (or closure) and its parent, one behind the other."""
-        self.mounts[joint] = [Hinge(*spring) for spring in springs]
+    def mount(self, joint: str, springs: Iterable[Spring], *, slides: bool = False) -> None:
+        """Put hinges, or slides, between a joint (or closure) and its parent, one behind the other."""
+        self.mounts[joint] += [Hinge(*spring, slides) for spring in springs]
+
+    def axis_of(self, joint: str) -> Vector:
+        """Return the axis of a joint or closure, in its own frame, shape (3,)."""
+        axes = {each.name: each.axis for each in self.arm.joints}
+        return (axes | {each.name: each.axis for each in self.arm.closures})[joint]
 
 
 def machine_of(arm: Arm) -> Machine:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from flexarm.cli.options import JointValues, Json, Model, blame, joint_values, load_arm, print_json
-from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
     from flexarm.modal import Modes
@@ -44,11 +42,10 @@ def modes(
 
 
 def _table(found: Modes) -> str:
-    """Return the table of modes, with what moves most in each; arms with closed loops have none yet."""
+    """Return the table of modes, with what moves most in each."""
     from flexarm.viewer.stages import moving_parts
 
     lines = found.summary().splitlines()
-    with suppress(InvalidParameter):
-        told = ["moves most", *moving_parts(found)] if len(found.frequency_hz) else []
-        lines[1:] = [f"{line}   {part}" for line, part in zip(lines[1:], told, strict=True)]
+    told = ["moves most", *moving_parts(found)] if len(found.frequency_hz) else []
+    lines[1:] = [f"{line}   {part}" for line, part in zip(lines[1:], told, strict=True)]
     return "\n".join(lines)

@@ -76,8 +76,7 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
         return []
     if kind.place == "joint":
         joints = [joint.name for joint in arm.joints if joint.moves]
-        if kind.at_closures:
-            joints += [closure.name for closure in arm.closures if closure.type == "revolute"]
+        joints += [closure.name for closure in arm.closures if closure.type in kind.at_closures]
         if kind.torque_at == "motor":
             shown = {s.joint for s in signals if s.quantity == "motor_torque"}
             shown |= commanded(records) & {controller.joint for controller in arm.controllers}

@@ -24,12 +24,14 @@ if TYPE_CHECKING:
     from flexarm.effects.encoder_offset import EncoderOffset
     from flexarm.effects.encoder_quantisation import EncoderQuantisation
     from flexarm.effects.encoder_scale import EncoderScale
+    from flexarm.effects.end_cushion import EndCushion
     from flexarm.effects.external_vibration import ExternalVibration
     from flexarm.effects.frame_drift import FrameDrift
     from flexarm.effects.frame_registration import FrameRegistration
     from flexarm.effects.gear_ratio import GearRatio
     from flexarm.effects.joint_compliance import JointCompliance
     from flexarm.effects.joint_hysteresis import JointHysteresis
+    from flexarm.effects.joint_radial_compliance import JointRadialCompliance
     from flexarm.effects.joint_stiffening import JointStiffening
     from flexarm.effects.joint_tilt_compliance import JointTiltCompliance
     from flexarm.effects.link_bow import LinkBow
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from flexarm.effects.link_stiffness import LinkStiffness
     from flexarm.effects.lugre_friction import LugreFriction
     from flexarm.effects.motor_friction import MotorFriction
+    from flexarm.effects.oil_column import OilColumn
     from flexarm.effects.outliers import Outliers
     from flexarm.effects.payload_inertia import PayloadInertia
     from flexarm.effects.payload_mass import PayloadMass
@@ -68,12 +71,14 @@ __all__ = [
     "EncoderOffset",
     "EncoderQuantisation",
     "EncoderScale",
+    "EndCushion",
     "ExternalVibration",
     "FrameDrift",
     "FrameRegistration",
     "GearRatio",
     "JointCompliance",
     "JointHysteresis",
+    "JointRadialCompliance",
     "JointStiffening",
     "JointTiltCompliance",
     "LinkBow",
@@ -83,6 +88,7 @@ __all__ = [
     "LinkStiffness",
     "LugreFriction",
     "MotorFriction",
+    "OilColumn",
     "Outliers",
     "PayloadInertia",
     "PayloadMass",

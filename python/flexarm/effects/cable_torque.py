@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from math import pi
 from typing import TYPE_CHECKING, ClassVar, Self
 
+from flexarm.arm.closure import PINNED
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.tables import Number, value_in
@@ -28,7 +29,7 @@ class CableTorque(Effect):
 
     name: ClassVar[str] = "cable_torque"
     torque_at = "output"
-    at_closures = True
+    at_closures = PINNED
     stiffness: Number = value_in("N m/rad", "stiffness of the cables", 0.0, ge=0)
     rest_angle: Number = value_in("rad", "angle of the joint where they pull at nothing", 0.0)
 

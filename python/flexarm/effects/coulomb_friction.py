@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+from flexarm.arm.closure import PINNED
 from flexarm.arm.friction_effect import FrictionEffect
 from flexarm.arm.motor_limits import stall_torque, within
 from flexarm.arm.prior import Prior
@@ -30,7 +31,7 @@ class CoulombFriction(FrictionEffect):
 
     name: ClassVar[str] = "coulomb_friction"
     torque_at = "output"
-    at_closures = True
+    at_closures = PINNED
     in_motion = ("torque", *FrictionEffect.shape)
     non_negative = ("torque",)
     torque: Number = value_in("N m", "friction torque at the output bearing", 0.0, ge=0)

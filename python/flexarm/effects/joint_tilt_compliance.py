@@ -36,7 +36,7 @@ class JointTiltCompliance(SpringEffect):
 
     name: ClassVar[str] = "joint_tilt_compliance"
     leaves_plane = True
-    at_closures = True
+    at_closures = ("revolute",)
     always_turns = True
     typical_stiffness = 2e5
     hardly_softer: ClassVar[float] = 100.0
@@ -46,9 +46,7 @@ class JointTiltCompliance(SpringEffect):
 
     def patch(self, machine: Machine) -> None:
         """Put two hinges between the parent and the joint, eq. (1)."""
-        pins = {joint.name: joint.axis for joint in machine.arm.joints}
-        pins |= {closure.name: closure.axis for closure in machine.arm.closures}
-        axes = across(pins[self.at])
+        axes = across(machine.axis_of(self.at))
         machine.mount(self.at, self.soft_about(axes))  # eq. (1)
 
     def trials(

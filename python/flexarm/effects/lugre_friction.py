@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 from pydantic import model_validator
 
+from flexarm.arm.closure import PINNED
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
 from flexarm.tables import Inconsistent, Number, value_in
@@ -39,7 +40,7 @@ class LugreFriction(Effect):
     name: ClassVar[str] = "lugre_friction"
     competes = False
     torque_at = "output"
-    at_closures = True
+    at_closures = PINNED
     varies_with = "rate"
     coulomb: Number = value_in("N m", "torque of the friction while it slips", gt=0)
     breakaway: Number = value_in("N m", "torque at which it gives way, at least coulomb", gt=0)

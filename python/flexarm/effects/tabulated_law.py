@@ -42,6 +42,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
+from flexarm.arm.closure import PINNED
 from flexarm.arm.effect import Effect
 from flexarm.arm.friction_effect import STICK_WIDTH
 from flexarm.arm.prior import Prior
@@ -79,7 +80,7 @@ class TabulatedLaw(Effect):
 
     name: ClassVar[str] = "tabulated_law"
     competes = False
-    at_closures = True
+    at_closures = PINNED
     quantity: Literal["windup", "torque", "curvature", "force"] = Field(description='"windup" or "torque"')
     of: Literal["angle", "rate", "torque", "motor_angle"] = Field(
         description='"angle", "rate", "torque" or "motor_angle"'

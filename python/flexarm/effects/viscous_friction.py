@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+from flexarm.arm.closure import PINNED
 from flexarm.arm.effect import Effect
 from flexarm.arm.motor_limits import back_emf_damping, within
 from flexarm.arm.prior import Prior
@@ -27,7 +28,7 @@ class ViscousFriction(Effect):
 
     name: ClassVar[str] = "viscous_friction"
     torque_at = "output"
-    at_closures = True
+    at_closures = PINNED
     in_motion = ("coefficient",)
     one_signed = True
     non_negative = ("coefficient",)

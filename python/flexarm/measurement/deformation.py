@@ -92,7 +92,7 @@ def rigid_reference(model: Any, what: Described) -> tuple[Any, Any, Any]:
         if machine.mounts[joint.name]:
             raise CannotMeasure(
                 f"signal {what.name!r}: the deflection of {link!r} is measured from a frame beyond the soft "
-                f"bearing of {joint.name!r} (effect joint_tilt_compliance), whose angles nothing measures"
+                f"bearing of {joint.name!r} (a compliance across its axis), which nothing measures"
             )
         if joint.at == "end" or ":" in joint.parent:
             raise CannotMeasure(

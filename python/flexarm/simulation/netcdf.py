@@ -50,6 +50,8 @@ _COUNTS = (
     "factorisations",
     "halvings",
     "seconds",
+    "redundant_conditions",
+    "driven",
 )
 
 

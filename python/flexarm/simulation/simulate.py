@@ -135,4 +135,5 @@ def simulate(
     found.solver["drive_sha256"] = run.drive.sha256()
     if run.arm.closures:
         found.solver["redundant_conditions"] = loops_of(run.arm).redundant
+        found.solver["driven"] = " ".join(run.drive.joints)
     return found

@@ -9,8 +9,9 @@ from math import isfinite
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.arm.closure import loop_joints, refuse_closures
+from flexarm.arm.closure import loop_joints
 from flexarm.arrays import Floats, Ints
+from flexarm.assembly import following_joints
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.modal import Modes, modes
@@ -55,10 +56,7 @@ def of_statics(found: Statics, scale: float | None = None, meshes: Meshes | None
     skeleton = Skeleton(found.arm)
     rigid = skeleton.rigid(found.drive_angle[None])
     if found.arm.closures:
-        held = drive_angles(found.arm, found.drive_angle)
-        rigid = skeleton.rigid(
-            at_rest(found.arm, {name: held[name] for name in found.driven if name in held})
-        )
+        rigid = skeleton.rigid(at_rest(found.arm, drive_angles(found.arm, found.drive_angle, found.driven)))
     poses = _equilibrium(skeleton, found)
     largest = _farthest(poses.x - rigid.x)
     size = _size(rigid.x)
@@ -122,11 +120,10 @@ def moving_parts(found: Modes) -> list[str]:
 
 def _shapes(found: Modes) -> tuple[Skeleton, Poses, Floats]:
     """Return the bones, where they rest, and how they move in each mode, (mode, bone, 6)."""
-    refuse_closures(found.arm, "the page of modes")
     if found.drive_angle is None:
         raise InvalidParameter("were stored without the pose of the arm; compute them again", where="modes")
     skeleton = Skeleton(found.arm)
-    joints = drive_angles(found.arm, found.drive_angle)
+    joints = drive_angles(found.arm, found.drive_angle, str(found.solver.get("driven", "")).split())
     arm = skeleton.seen if found.with_gravity else skeleton.seen.replace(gravity=(0.0, 0.0, 0.0))
     still = static(arm, joints)
     rest = Poses(still.rotation[None], still.position[None])[:, skeleton.chosen]
@@ -146,7 +143,6 @@ def of_simulation(
     Shapes of links are not stored with a run: it is made again along its own motor angles, with rotations.
     Gaps are shown times `gaps_times`, by default so that they show.
     """
-    refuse_closures(run.arm, "the page of a run")
     skeleton = Skeleton(run.arm)
     again = _again(skeleton, run)
     frames = _frames(run.time)
@@ -293,8 +289,7 @@ def _equilibrium(skeleton: Skeleton, found: Statics) -> Poses:
 
 
 def _again(skeleton: Skeleton, run: Simulation) -> Simulation:
-    driven = [joint.name for joint in run.arm.moving_joints]
-    driven = [name for name in driven if name not in {gear.output for gear in run.arm.gears}]
+    driven = drive_angles(run.arm, run.drive_angle[0], str(run.solver.get("driven", "")).split())
     angles = {name: run.drive_angle[:, run.joints.index(name)] for name in driven}
     return simulate(
         skeleton.seen,
@@ -306,13 +301,16 @@ def _again(skeleton: Skeleton, run: Simulation) -> Simulation:
     )
 
 
-def drive_angles(arm: Arm, angles: Floats) -> dict[str, float]:
-    """Return the angles (joint,) of moving joints by name; outputs of gears follow."""
-    outputs = {gear.output for gear in arm.gears}
+def drive_angles(arm: Arm, angles: Floats, driven: Iterable[str] = ()) -> dict[str, float]:
+    """Return the angles (joint,) of joints that lead, by name.
+
+    Outputs of gears follow, and so do joints of loops that close when others are `driven`.
+    """
+    follow = {gear.output for gear in arm.gears} | {*following_joints(arm, (), tuple(driven))}
     return {
         joint.name: float(angle)
         for joint, angle in zip(arm.joints, angles, strict=True)
-        if joint.moves and joint.name not in outputs
+        if joint.moves and joint.name not in follow
     }
 
 

@@ -13,7 +13,9 @@
 
 #include "flexarm/joints/laws/cable_torque.hpp"
 #include "flexarm/joints/laws/dahl_friction.hpp"
+#include "flexarm/joints/laws/end_cushion.hpp"
 #include "flexarm/joints/laws/lugre_friction.hpp"
+#include "flexarm/joints/laws/oil_column.hpp"
 #include "flexarm/joints/laws/reducer_spring.hpp"
 #include "flexarm/joints/laws/tabulated_friction.hpp"
 #include "flexarm/joints/laws/tabulated_torque.hpp"
@@ -23,7 +25,7 @@
 namespace flexarm::joints {
 
 using JointLaw = std::variant<ReducerSpring, CableTorque, ViscousFriction, DahlFriction, LugreFriction,
-                              TabulatedFriction, TabulatedTorque, WoundSpring>;
+                              TabulatedFriction, TabulatedTorque, WoundSpring, OilColumn, EndCushion>;
 
 inline LawResponse respond(const JointLaw& law, double x, double x_dot, const LawMemory& memory,
                            const LawArgument& y = {}) {
@@ -43,6 +45,7 @@ inline LawResponse respond(const JointLaw& law, double x, double x_dot, const La
 inline Of second_argument(const JointLaw& law) {
   if (const auto* table = std::get_if<TabulatedTorque>(&law); table && table->of == Of::motor_angle)
     return Of::motor_angle;
+  if (std::holds_alternative<OilColumn>(law)) return Of::motor_angle;
   if (const auto* spring = std::get_if<WoundSpring>(&law);
       spring && (spring->of != Of::torque || spring->windup.changes()))
     return Of::angle;
@@ -55,7 +58,7 @@ inline bool is_linear(const JointLaw& law) {
     return spring->cubic_stiffness == 0 && spring->gap == 0;
   }
   return std::holds_alternative<CableTorque>(law) || std::holds_alternative<ViscousFriction>(law) ||
-         second_argument(law) == Of::motor_angle;
+         (std::holds_alternative<TabulatedTorque>(law) && second_argument(law) == Of::motor_angle);
 }
 
 /// Whether the law has a part in statics and modes: friction has none, an arm settles where no friction holds

@@ -92,10 +92,12 @@ struct Point {
   bool loaded = false;                   ///< carries point loads: gets a node of its own
 };
 
-/// A hinge that nothing drives, without mass: on a spring and a damper, or on laws instead.
+/// A hinge that nothing drives, without mass: on a spring and a damper, or on laws instead. A prismatic one
+/// gives along its axis.
 struct Hinge {
   Vector3d axis = Vector3d::UnitZ();
-  double stiffness = 0, damping = 0;  ///< [N m/rad], [N m s/rad]
+  double stiffness = 0, damping = 0;  ///< [N m/rad], [N m s/rad]; [N/m], [N s/m]
+  joints::JointType type = joints::JointType::revolute;
   joints::DriveTrain::Parallel laws = {};
 };
 
@@ -137,12 +139,33 @@ struct Closure {
   Vector3d axis = Vector3d::UnitZ();          ///< in the frame at a
   Vector3d second_axis = Vector3d::UnitX();   ///< of a universal closure, in the frame at b
   std::vector<Hinge> mount = {};              ///< between link a and the frame at a, axes in that frame
-  joints::DriveTrain::Parallel bearing = {};  ///< of a revolute closure, on the turn of b about the axis
+  joints::DriveTrain::Parallel bearing = {};  ///< on the turn of b about the axis, or its way along it
 
-  /// The mount, and behind it the pin of a bearing; b is then fixed to the pin.
+  /// How the pin of a bearing moves in a, and how b then sits on the pin; none where no axis is singled out.
+  struct Pin {
+    joints::JointType motion;
+    joints::ClosureType rest;
+  };
+  std::optional<Pin> pin() const {
+    using joints::ClosureType, joints::JointType;
+    switch (type) {
+      case ClosureType::revolute:
+        return Pin{JointType::revolute, ClosureType::fixed};
+      case ClosureType::prismatic:
+        return Pin{JointType::prismatic, ClosureType::fixed};
+      case ClosureType::cylindrical:
+        return Pin{JointType::prismatic, ClosureType::revolute};
+      case ClosureType::point_on_line:
+        return Pin{JointType::prismatic, ClosureType::spherical};
+      default:
+        return {};
+    }
+  }
+
+  /// The mount, and behind it the pin of a bearing.
   std::vector<Hinge> hinges() const {
     std::vector<Hinge> chain = mount;
-    if (!bearing.empty()) chain.push_back({.axis = axis, .laws = bearing});
+    if (!bearing.empty() && pin()) chain.push_back({.axis = axis, .type = pin()->motion, .laws = bearing});
     return chain;
   }
 };
