@@ -412,3 +412,16 @@ def test_half_of_the_day_may_stand_in_a_column_of_its_own():
     found = text_stamps([1, 5, 6, 7], [names, ["9/14/2026"] * 2, ["11:59:59", "12:00:00"], ["AM", "PM"]])
     assert found is not None and (found.columns, found.form) == ((5, 6, 7), "%m/%d/%Y %I:%M:%S %p")
     assert np.diff(found.seconds).tolist() == [1.0]
+
+
+@pytest.mark.parametrize(("size", "unit"), [(0.4, "m"), (400.0, "mm")])
+def test_a_joint_that_slides_is_in_metres_or_millimetres_and_one_beside_it_in_degrees(logs, size, unit):
+    """Each kind of joint has units of its own, in one file too."""
+    slides = MODEL.replace('name = "lift"\ntype = "revolute"', 'name = "lift"\ntype = "prismatic"')
+    (logs / "slide.toml").write_text(slides.replace("gear_ratio = 80\n", ""))
+    t = np.arange(0, 2, 0.01)
+    write_robot(logs, {"q_pan": 3000 * np.sin(t), "q_lift": size * np.sin(1.4 * t) ** 2}, t)
+    data, text = guessed(logs, "robot.csv", model="slide.toml")
+    signals = {each["name"]: each for each in data["signals"]}
+    assert (signals["pan"]["unit"], signals["lift"]["unit"]) == ("deg", unit)
+    assert f"as {unit} of the output values reach 0.4 m" in text

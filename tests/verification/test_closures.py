@@ -264,10 +264,15 @@ def test_assembly_names_joints_of_a_model_with_closures():
         flexarm.Arm.from_dict(tree)
 
 
-def test_what_does_not_take_closures_says_so():
-    """Nothing ignores a loop."""
-    with pytest.raises(InvalidParameter, match="does not take closures yet, the model has rod_eye"):
-        flexarm.plan(loops.crane(), [])
+@pytest.mark.parametrize(("farthest", "goes_on"), [(0.6, True), (1.13, False)])
+def test_a_plan_of_a_crane_moves_the_piston_where_that_reaches_and_no_joint_that_follows(farthest, goes_on):
+    """The bars are in line at a stroke of 1.163 m."""
+    time = np.linspace(0, 1, 21)
+    lift = flexarm.Drive.from_samples(time, {"piston": farthest - 0.2 * (1 - time) ** 2})
+    told = str(flexarm.plan(loops.crane(), {"lift": lift}, step=0.02))
+    assert ("with piston moved by 0.05 m throughout" in told) == goes_on
+    assert "pin moved by" not in told
+    assert "joint tilt compliance at rod_eye" in told
 
 
 def test_modes_tell_where_the_joints_that_follow_stand():

@@ -88,7 +88,8 @@ Equilibrium consistent_start(const System& system, const Equilibrium& equilibriu
 }
 
 StateDerivative consistent_start(const System& system, const Equilibrium& start, double time,
-                                 const std::vector<Variation>& variations, StateDerivative derivative) {
+                                 const std::vector<Variation>& variations, StateDerivative derivative,
+                                 const Slopes& torques) {
   if (start.state.v_dot.isZero(0)) return derivative;
   const double scale = scale_of(system);
   MassesAndConstraints A(system, start.state, scale);
@@ -101,7 +102,10 @@ StateDerivative consistent_start(const System& system, const Equilibrium& start,
       return unbalanced(model, moved(system, start.state, at_rest, k, amount), loads, scale);
     };
     VectorXd x = (in(*p.plus, p.drive_plus, p.up) - in(*p.minus, p.drive_minus, p.down)) / p.spread();
-    A.solve(x);  // eq. (2)
+    for (int s = 0; s < static_cast<int>(torques.rows()); ++s) {
+      if (system.is_free(s)) x[system.scalar_offset() + s] += torques(s, k);
+    }
+    if (!A.solve(x)) return at_rest;  // eq. (2)
     derivative.v_dot.col(k).head(system.n_free()) += x.head(system.n_free());
     derivative.a.col(k).head(system.n_free()) += x.head(system.n_free());
     derivative.multipliers.col(k) += scale * x.tail(system.n_constraints());

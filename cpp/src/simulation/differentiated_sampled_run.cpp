@@ -1,6 +1,7 @@
 #include "flexarm/simulation/differentiated_sampled_run.hpp"
 
 #include "flexarm/errors.hpp"
+#include "flexarm/simulation/consistent_start.hpp"
 
 namespace flexarm::simulation {
 namespace {
@@ -53,6 +54,12 @@ void DifferentiatedSampledRun::advance(const VectorXd& motor_torque, const Slope
     torques_.row(system_.joints()[k].phi) = torque_slopes.row(j);
   }
   sensitivities_.hold(torques_);
+  if (k_ == 0) {
+    const Equilibrium& start = run_.let_go(motor_torque);
+    sensitivities_.go_on_from(consistent_start(system_, start, run_.time(), sensitivities_.variations(),
+                                               sensitivities_.derivative(), torques_));
+    recorder_.record(0, run_.state(), sensitivities_.derivative(), start.loads);
+  }
   run_.advance(motor_torque, n_steps);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "flexarm/errors.hpp"
+#include "flexarm/simulation/consistent_start.hpp"
 
 namespace flexarm::simulation {
 
@@ -46,6 +47,7 @@ SampledRun::SampledRun(const System& system, const Equilibrium& equilibrium,
     : system_(system),
       options_(options),
       state_(equilibrium.state),
+      start_(equilibrium),
       n_steps_(number_of_steps(system.joints().size(), drives, options)),
       stepper_(system, solvers::HhtCoefficients::from_alpha(options.alpha), equilibrium.loads,
                {.tolerance = options.tolerance}),
@@ -62,7 +64,7 @@ void SampledRun::accompany(CompanionIn<3> companion) {
   companion_.record(k_, state_, stepper_.loads());
 }
 
-void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
+void SampledRun::hold(const Eigen::VectorXd& motor_torque) {
   if (motor_torque.size() != static_cast<Eigen::Index>(system_.joints().size())) {
     throw InvalidParameter("one motor torque for each of the " + std::to_string(system_.joints().size()) +
                            " joints is needed, got " + std::to_string(motor_torque.size()));
@@ -73,16 +75,36 @@ void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
       torques_[system_.joints()[j].phi] = motor_torque[static_cast<Eigen::Index>(j)];
     }
   }
-  const auto hold = [this](double t, solvers::DriveValues& values) {
-    drive_(t, values);
-    for (std::size_t j = 0; j < system_.joints().size(); ++j) {
-      if (system_.drives()[j] != assembly::DriveKind::torque) continue;
-      const int phi = system_.joints()[j].phi;
-      values.torques[phi] = torques_[phi];
-    }
-  };
+}
+
+void SampledRun::torques_at(double t, solvers::DriveValues& values) {
+  drive_(t, values);
+  for (std::size_t j = 0; j < system_.joints().size(); ++j) {
+    if (system_.drives()[j] != assembly::DriveKind::torque) continue;
+    const int phi = system_.joints()[j].phi;
+    values.torques[phi] = torques_[phi];
+  }
+}
+
+const Equilibrium& SampledRun::let_go(const Eigen::VectorXd& motor_torque) {
+  if (!held_) return start_;
+  held_ = false;
+  hold(motor_torque);
+  start_ = consistent_start(
+      system_, {state_, start_.loads},
+      [this](double t, solvers::DriveValues& values) { torques_at(t, values); }, options_.start);
+  state_ = start_.state;
+  state_.t = state_.start = options_.start;
+  recorder_.record(0, state_, start_.loads);
+  return start_;
+}
+
+void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
+  let_go(motor_torque);
+  hold(motor_torque);
+  const auto drives = [this](double t, solvers::DriveValues& values) { torques_at(t, values); };
   for (const Eigen::Index last = std::min(k_ + n_steps, n_steps_); k_ < last;) {
-    stepper_.advance(state_, options_.step, hold);
+    stepper_.advance(state_, options_.step, drives);
     state_.t = options_.start + static_cast<double>(++k_) * options_.step;  // no drift from adding up
     system_.closures().check(state_.frames, system_.reach(), state_.t);
     recorder_.record(k_, state_, stepper_.loads());

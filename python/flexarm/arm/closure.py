@@ -10,7 +10,6 @@ from pydantic import Field, model_validator
 
 from flexarm.arm.joint import Joint, Origin, coupled_joints
 from flexarm.arm.names import Place, link_of
-from flexarm.errors import InvalidParameter
 from flexarm.tables import Inconsistent, Name, Table, Vector3, value_in
 
 if TYPE_CHECKING:
@@ -71,19 +70,6 @@ class Closure(Table):
         farthest = min(range(3), key=lambda i: abs(self.axis[i]))
         x, y, z = (float(i == farthest) for i in range(3))
         return x, y, z
-
-
-def refuse_closures(arm: Arm, what: str) -> None:
-    """Refuse an arm with closures.
-
-    Raises
-    ------
-    InvalidParameter
-        That names what does not take them.
-    """
-    if arm.closures:
-        names = ", ".join(closure.name for closure in arm.closures)
-        raise InvalidParameter(f"{what} does not take closures yet, the model has {names}", where="closures")
 
 
 def loop_joints(arm: Arm) -> tuple[str, ...]:

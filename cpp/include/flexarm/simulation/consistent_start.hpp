@@ -25,7 +25,9 @@ Equilibrium consistent_start(const System& system, const Equilibrium& equilibriu
                              const solvers::Drives& drives, double time);
 
 /// The derivative of that start from the one of its equilibrium, eq. (2).
+/// @param torques derivatives of the torques, one row a scalar coordinate; empty: zero
 StateDerivative consistent_start(const System& system, const Equilibrium& start, double time,
-                                 const std::vector<Variation>& variations, StateDerivative derivative);
+                                 const std::vector<Variation>& variations, StateDerivative derivative,
+                                 const Slopes& torques = {});
 
 }  // namespace flexarm::simulation

@@ -31,6 +31,10 @@ class SampledRun {
   /// @throws NotConverged
   void advance(const Eigen::VectorXd& motor_torque, int n_steps);
 
+  /// Lets the motors go at the start, if they are held yet; the first advance() does it otherwise.
+  /// @return the start with the accelerations that these torques give, consistent_start.hpp
+  const Equilibrium& let_go(const Eigen::VectorXd& motor_torque);
+
   const System& system() const { return system_; }
   bool done() const { return k_ >= n_steps_; }
   const State& state() const { return state_; }
@@ -48,10 +52,14 @@ class SampledRun {
 
  private:
   Eigen::VectorXd of_joints(const Eigen::Ref<const Eigen::VectorXd>& scalars, bool theta) const;
+  void hold(const Eigen::VectorXd& motor_torque);
+  void torques_at(double t, solvers::DriveValues& values);
 
   const System& system_;
   TransientOptions options_;
   State state_;
+  Equilibrium start_;
+  bool held_ = true;
   Eigen::Index n_steps_, k_ = 0;
   solvers::HhtStepper stepper_;
   solvers::Drives drive_;

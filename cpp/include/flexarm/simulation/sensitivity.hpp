@@ -65,6 +65,9 @@ class SensitivitiesIn {
   /// dτ/dp of (4) from now on, one row a scalar coordinate, one column a parameter; zero until then.
   void hold(const Slopes& torques) { torques_ = torques; }
 
+  /// The derivative of the state from which the next step goes on.
+  void go_on_from(StateDerivative now) { before_ = now_ = std::move(now); }
+
   const std::vector<VariationIn<D>>& variations() const { return variations_; }
   const StateDerivative& derivative() const { return now_; }
 

@@ -16,7 +16,9 @@ from flexarm.arm import Arm
 from flexarm.arm.attachment import Point
 from flexarm.arm.link import Beam
 from flexarm.arm.sensor import Sensor
+from flexarm.assembly import following_joints, rigid_values
 from flexarm.diagnosis.design.experiment import CONTROLLER, NOISE, RATE_HZ, Experiment
+from flexarm.errors import InvalidParameter
 from flexarm.record.table import CarriedPayload
 from flexarm.simulation import Simulation
 
@@ -153,7 +155,8 @@ def _motions(arm: Arm, run: Experiment) -> Iterator[Addition]:
             yield Addition(words, MINUTES["payload"], runs=(again,))
     for times, words in ((0.5, "at half the speed"), (2.0, "at twice the speed")):
         yield Addition(words, MINUTES["run"], runs=(run.faster(times),))
-    still = [j for j in arm.joints if j.moves and j.name not in run.drive.joints]
+    following = following_joints(arm, (), run.drive.joints)
+    still = [j for j in arm.joints if j.moves and j.name not in {*run.drive.joints, *following}]
     driven = [j for j in arm.joints if j.name in run.drive.joints]
     for joint in (*still[:1], *driven[:1]):
         shafts = {gear.input for gear in arm.gears}
@@ -161,7 +164,23 @@ def _motions(arm: Arm, run: Experiment) -> Iterator[Addition]:
             continue
         turn, unit = (TURN, "rad") if joint.type == "revolute" else (TURN / 10, "m")
         words = f"with {joint.name} moved by {turn:g} {unit} throughout"
-        yield Addition(words, MINUTES["run"], runs=(run.turned(joint.name, turn),))
+        elsewhere = run.turned(joint.name, turn)
+        if _closes(arm, elsewhere):
+            yield Addition(words, MINUTES["run"], runs=(elsewhere,))
+
+
+def _closes(arm: Arm, run: Experiment) -> bool:
+    """Return True if the loops of the arm close along the drives of a run."""
+    if not arm.closures:
+        return True
+    time = np.linspace(run.drive.start, run.drive.end, 16)
+    driven = {name: joint(time) for name, joint in run.drive.joints.items()}
+    try:
+        for k in range(len(time)):
+            rigid_values(arm, {**run.drive.rest, **{name: float(at[k]) for name, at in driven.items()}})
+    except InvalidParameter:
+        return False
+    return True
 
 
 def _across(arm: Arm, link: Beam) -> np.ndarray:

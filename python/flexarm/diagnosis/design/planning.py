@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING
 
 from flexarm.arguments import ARM, CLOCKS, DRIVES, FRAMES, JOBS, NUMBER, takes
 from flexarm.arm import Arm
-from flexarm.arm.closure import refuse_closures
 from flexarm.arm.joint_units import parameters_in
 from flexarm.configuration import version
 from flexarm.diagnosis.candidate import value_of
@@ -154,7 +153,6 @@ def plan(
     >>> found = flexarm.plan(arm, {"swing": flexarm.Drive.from_csv("swing.csv", arm)})  # doctest: +SKIP
     >>> print(found)  # doctest: +SKIP
     """
-    refuse_closures(arm, "plan")
     begun = time.monotonic()
     tell = progress or (lambda done, what: None)
     runs = [_experiment(name, drive, arm, clocks, frames) for name, drive in _by_name(drives).items()]

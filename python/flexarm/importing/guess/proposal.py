@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.drive.doubts import slides
 from flexarm.importing.guess.logged import Logged
 from flexarm.importing.guess.motion import Track
 from flexarm.importing.guess.words import COUNTED
@@ -20,6 +21,8 @@ from flexarm.units import factor_to
 
 TURNS = 2.0
 """Turns that a joint's output may make, where no measured point tells."""
+FARTHEST_SLIDE = 10.0
+"""How far a joint may slide there [m]."""
 
 
 Option = tuple[str | int, bool]
@@ -56,9 +59,14 @@ class Proposal:
         return Track.of(self.first.time.seconds, [factor * column.values for column in self.columns])
 
     def raw(self, arm: Arm) -> Track:
-        """Return an angle as the smallest of what it may be: in degrees where it is too far for radians."""
+        """Return an angle as the smallest of what it may be: in degrees where it is too far for radians.
+
+        The way of a joint that slides is in millimetres where it is too far for metres.
+        """
         values = self.first.values
         reach = float(np.nanmax(np.abs(values)))
+        if slides(arm, self.place[1]):
+            return in_output(self, arm, (self.first.meaning.unit or _unit_of_way(reach), False))
         unit = self.first.meaning.unit or ("rad" if reach <= pi * TURNS else "deg")
         geared = np.radians(reach) if unit == "deg" else reach
         option = (unit, self.keys.get("side") == "motor" and geared > pi * TURNS)
@@ -89,10 +97,15 @@ def unit_factor(unit: Any, units: Sequence[str]) -> float:
 
 def in_output(proposal: Proposal, arm: Arm, option: Option | None = None) -> Track:
     """Return an angle at the output [rad or m], by its keys or as another option."""
-    unit, geared = option or (proposal.keys.get("unit", "rad"), proposal.keys.get("before_gear", False))
+    own = "m" if slides(arm, proposal.place[1]) else "rad"
+    unit, geared = option or (proposal.keys.get("unit", own), proposal.keys.get("before_gear", False))
     factor = unit_factor(unit, QUANTITIES[proposal.quantity].units) * proposal.keys.get("scale", 1.0)
     ratio = gear_ratio(arm, proposal.place[1]) if geared else 1.0
     return Track.of(proposal.first.time.seconds, [proposal.first.values * factor / ratio])
+
+
+def _unit_of_way(reach: float) -> str:
+    return "m" if reach <= FARTHEST_SLIDE else "mm"
 
 
 def words_of(option: Option) -> str:

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.drive.doubts import slides
 from flexarm.importing.guess.motion import Agreement, Track, agreement, rigid_track, white_noise
 from flexarm.importing.guess.proposal import (
+    FARTHEST_SLIDE,
     TURNS,
     Option,
     Proposal,
@@ -44,13 +46,12 @@ def settle_units(proposals: Sequence[Proposal], arm: Arm) -> None:
             proposal.why["unit"] = f"its size is {size:.3g} for most of the time"
             if not (near_g or 5 < size < 20):
                 proposal.unknown["unit"] = f"{size:.3g} is neither 1 g nor 9.81 m/s2"
-    families: dict[tuple[Any, str, str], list[Proposal]] = {}
+    families: dict[tuple[Any, str, str, bool], list[Proposal]] = {}
     for proposal in proposals:
         angle = proposal.quantity in ("joint_angle", "joint_command", "joint_rate")
         if angle and not proposal.out and not proposal.counts:
-            families.setdefault(
-                (proposal.first.kind, proposal.quantity, str(proposal.keys.get("side"))), []
-            ).append(proposal)
+            kind = (proposal.first.kind, proposal.quantity, str(proposal.keys.get("side")))
+            families.setdefault((*kind, slides(arm, proposal.place[1])), []).append(proposal)
     seen = _moving_points(proposals)
     for family in families.values():
         _settle_family(family, seen, arm)
@@ -63,14 +64,14 @@ def _moving_points(proposals: Sequence[Proposal]) -> list[Proposal]:
 
 
 def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Arm) -> None:
-    """Choose unit and side of the gear for angles of one kind."""
+    """Choose unit and side of the gear for angles of one kind, or ways of joints that slide."""
     # Units are told apart where one makes the model's motion twice as near to the measured size as another.
     alike = log(2.0)
     rate = family[0].quantity == "joint_rate"
     stated = family[0].keys.get("unit")
-    turning = any(arm.joint(p.place[1]).type == "revolute" for p in family)
-    units = [stated] if stated else ["rad/s", "deg/s"] if rate else ["rad", "deg"]
-    units = units if turning else [stated or ("m/s" if rate else "m")]
+    along = slides(arm, family[0].place[1])
+    own, per = ("m", "mm") if along else ("rad", "deg"), "/s" if rate else ""
+    units = [stated] if stated else [unit + per for unit in own]
     geared = family[0].keys.get("side") != "output" and family[0].quantity != "joint_command"
     geared = geared and any(abs(gear_ratio(arm, p.place[1])) != 1 for p in family)
     options: list[Option] = [
@@ -87,9 +88,9 @@ def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Ar
             proposal.rivals = rivals
         return
     widest = [_widest(family, arm, option) for option in options]
-    limit = pi * TURNS * (10 if rate else 1)
+    limit = (FARTHEST_SLIDE if along else pi * TURNS) * (10 if rate else 1)
     chosen = next((o for o, w in zip(options, widest, strict=True) if w <= limit), options[0])
-    told = f"as {words_of(chosen)} values reach {_widest(family, arm, chosen):.3g} rad{'/s' if rate else ''}"
+    told = f"as {words_of(chosen)} values reach {_widest(family, arm, chosen):.3g} {own[0]}{per}"
     others = [o for o, w in zip(options, widest, strict=True) if w <= limit and o != chosen]
     _say(
         family, chosen, told, f"no measured point tells; {words_of(others[0])} is possible" if others else ""
