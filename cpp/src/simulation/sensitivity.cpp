@@ -35,6 +35,12 @@ void remember_deflections(const System& system, StateDerivative& d) {
   }
 }
 
+/// Whether nothing free has moved yet with any parameter.
+bool rests(const StateDerivative& d, Eigen::Index n_free) {
+  return d.position.topRows(n_free).isZero(0) && d.velocity.topRows(n_free).isZero(0) &&
+         d.a.topRows(n_free).isZero(0) && d.v_dot.topRows(n_free).isZero(0) && d.multipliers.isZero(0);
+}
+
 }  // namespace
 
 StateDerivative static_derivative(const System& system, const Equilibrium& equilibrium,
@@ -96,7 +102,9 @@ SensitivitiesIn<D>::SensitivitiesIn(const SystemD& system, const solvers::HhtCoe
 template <int D>
 void SensitivitiesIn<D>::follow(const StateD& before, const StateD& after, const VectorXd& exponent, double h,
                                 const LoadsD& loads) {
+  const bool at_rest = rests(now_, system_.n_free());
   std::swap(before_, now_);  // all free rows of now_ are written anew
+  if (at_rest) now_ = before_;
   partial_.prescribe(after.t, now_);
   state_ = after;
   state_.laws = before.laws;  // with which the step was made
@@ -106,6 +114,7 @@ void SensitivitiesIn<D>::follow(const StateD& before, const StateD& after, const
   const double scale = system_.mass() / (system_.n_nodes() * coefficients_.beta * h * h);
   partial_.evaluate(state_, now_, loads, laws_, rhs_);
   add_torques();
+  if (at_rest && rhs_.isZero(0)) return remember();  // parameters of drives that come later
   rhs_.bottomRows(system_.n_constraints()) *= scale;
   parts_.assemble(state_, loads, scale, true);
   step_.prepare(exponent, h);

@@ -37,6 +37,8 @@ class Parameter:
     unit: str
     one_sided: bool = False
     """Whether what the model predicts has different derivatives to its left and right."""
+    drives: bool = False
+    """Whether it is a part of a change of a run's drive, and no number of the arm."""
 
     def __str__(self) -> str:
         return f"{self.key} = {self.value:g} {self.unit}"
@@ -129,6 +131,9 @@ def neighbours(
     The change is `step`, or `part` of the size of the parameter. At a limit one arm is the given one, with a
     change of zero.
     """
+    if parameter.drives:
+        size = _STEP if step is None else step
+        return (arm, size), (arm, -size)
     path = path_of(arm, parameter.key)
     arm = _with_fixed_axes(arm, path)
     size = part * _size(arm, parameter, path) if step is None else step

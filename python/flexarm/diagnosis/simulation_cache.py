@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -116,21 +116,40 @@ class SimulationCache:
         self.made += 1
         return _of_poses(record, with_turned(record, joint, angles), record.applied_to(arm))
 
+    def differentiated(self, name: str, arm: Arm, changes: Sequence[Drive]) -> SimulatedRecord:
+        """Return a run beside its record with its derivatives by changes of its drives.
+
+        Forces are those of the time stepping: changes are smooth.
+        """
+        from flexarm.simulation.prepared import prepared
+        from flexarm.simulation.solve import driven
+
+        record = self.records[name]
+        carried = record.applied_to(arm)
+        options = self._options(name, carried)
+        del options["consistent_forces"]
+        run = prepared(carried, self.drive(name, carried), **options)
+        run.options.consistent_forces = False
+        self.made += 1
+        return pair_record(driven(run, changes), record, arm=carried)
+
     def _along(self, drive: Drive, name: str, arm: Arm) -> Any:
         """Return the simulation along a drive."""
         from flexarm.simulation import simulate
 
+        return simulate(arm, drive, **self._options(name, arm))
+
+    def _options(self, name: str, arm: Arm) -> dict[str, Any]:
+        """Return the options of a run of a record."""
         record = self.records[name]
-        return simulate(
-            arm,
-            drive,
-            step=self.step,
-            alpha=self.alpha,
-            rotations=True,
-            forces=any(signal.quantity == "strain" for signal in record.signals.values()),
-            consistent_forces=any(signal.quantity in FORCES for signal in record.signals.values()),
-            end=end_of_simulation(record, arm, drive.start),
-        )
+        return {
+            "step": self.step,
+            "alpha": self.alpha,
+            "rotations": True,
+            "forces": any(signal.quantity == "strain" for signal in record.signals.values()),
+            "consistent_forces": any(signal.quantity in FORCES for signal in record.signals.values()),
+            "end": end_of_simulation(record, arm, self.drive(name, arm).start),
+        }
 
     def drive(self, name: str, arm: Arm) -> Drive:
         """Return what a model with its record's payloads is driven by."""

@@ -150,4 +150,6 @@ def _changes_sensors(arm: Any, parameter: Parameter) -> bool:
     """Return True if a parameter changes the readings of the same motion: effects on sensors, gear ratios."""
     from flexarm.sensitivity import moves_arm
 
+    if parameter.drives:
+        return False
     return not moves_arm(arm, parameter) or path_of(arm, parameter.key).table in ("joints", "gears")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import factorial
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -73,6 +74,15 @@ class TimeBasis:
         from scipy.interpolate import BSpline, PPoly
 
         return PPoly.from_spline(BSpline(self.knots, coefficients, DEGREE))
+
+    def splines(self) -> list[PPoly]:
+        """Return each B_j as a piecewise polynomial over its support."""
+        from scipy.interpolate import BSpline, PPoly
+
+        each, x = BSpline(self.knots, np.eye(len(self)), DEGREE), self.knots[DEGREE:-DEGREE]
+        c = np.array([each(x[:-1], nu=power) / factorial(power) for power in range(DEGREE, -1, -1)])
+        ends = [(max(j - DEGREE, 0), min(j + 1, len(x) - 1)) for j in range(len(self))]
+        return [PPoly(c[:, i:k, j], x[i : k + 1]) for j, (i, k) in enumerate(ends)]
 
 
 @dataclass(frozen=True)

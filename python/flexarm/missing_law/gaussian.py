@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,37 +83,41 @@ class GaussianModel:
         """Return the models of all s on a grid whose (2), at the best v, is within reach of the greatest."""
         return ColumnSpace.of(data, columns).models(np.eye(columns.shape[1]), reach)
 
-    def _whitened(self) -> tuple[Floats, Floats]:
-        """Return U and the Cholesky factor of 1 + U^T U."""
-        u = np.column_stack([self.factor / np.sqrt(self.noise), self.data.nuisance])
-        return u, np.linalg.cholesky(u.T @ u + np.eye(u.shape[1]))
+    def _whitened(self) -> Floats:
+        """Return U."""
+        return np.column_stack([self.factor / np.sqrt(self.noise), self.data.nuisance])
+
+    @cached_property
+    def _lower(self) -> Floats:
+        """Cholesky factor of 1 + U^T U."""
+        u = self._whitened()
+        return np.asarray(np.linalg.cholesky(u.T @ u + np.eye(u.shape[1])))
 
     def posterior(self) -> tuple[Floats, Floats]:
         """Return mean of s^-1 s xi and a root of its covariance, for what multiplies `factor`."""
-        mean, root = self._posterior()
+        mean, root = self._posterior
         m = self.factor.shape[1]
         return mean[:m] / np.sqrt(self.noise), root[:m]
 
     def nuisance_posterior(self) -> tuple[Floats, Floats]:
         """Return mean and deviation of the nuisance parameters, in their own units."""
-        mean, root = self._posterior()
+        mean, root = self._posterior
         m, size = self.factor.shape[1], self.data.nuisance_size
         return size * mean[m:], size * np.sqrt(self.noise) * np.linalg.norm(root[m:], axis=1)
 
+    @cached_property
     def _posterior(self) -> tuple[Floats, Floats]:
         """Return the mean of what multiplies U, and a root of its covariance over v."""
         from scipy.linalg import solve_triangular
 
-        u, lower = self._whitened()
-        inverse = solve_triangular(lower, np.eye(len(lower)), lower=True)
-        return inverse.T @ (inverse @ (u.T @ self.data.y)), inverse.T
+        inverse = solve_triangular(self._lower, np.eye(len(self._lower)), lower=True)
+        return inverse.T @ (inverse @ (self._whitened().T @ self.data.y)), inverse.T
 
     def predictive(self, blocks: Sequence[NDArray[np.intp]]) -> float:
         """Return the sum of (3) over blocks."""
         from scipy.linalg import solve_triangular
 
-        u, lower = self._whitened()
-        half = solve_triangular(lower, u.T, lower=True).T
+        half = solve_triangular(self._lower, self._whitened().T, lower=True).T
         alpha = (self.data.y - half @ (half.T @ self.data.y)) / self.noise
         total = 0.0
         for rows in blocks:
@@ -164,17 +169,24 @@ class ColumnSpace:
         moment = data.projection.project(self.columns).T @ y
         return replace(self, data=data, moment=moment, square=float(y @ y))
 
-    def log_evidence(self, root: Floats) -> float:
+    def spectrum(self, root: Floats) -> tuple[Floats, Floats]:
+        """Return Lambda and V of A = R L, which are the same for another y."""
+        values, vectors = np.linalg.eigh(root.T @ self.gram @ root)
+        return np.maximum(values, 0.0), vectors
+
+    def log_evidence(self, root: Floats, spectrum: tuple[Floats, Floats] | None = None) -> float:
         """Return the greatest (2) for A = R L."""
-        return float(self._evidence(root)[0].max())
+        return float(self._evidence(root, spectrum)[0].max())
 
-    def model(self, root: Floats) -> GaussianModel:
+    def model(self, root: Floats, spectrum: tuple[Floats, Floats] | None = None) -> GaussianModel:
         """Return the model of the greatest (2) for A = R L."""
-        return max(self.models(root, 0.0), key=lambda each: each.log_evidence)
+        return max(self.models(root, 0.0, spectrum), key=lambda each: each.log_evidence)
 
-    def models(self, root: Floats, reach: float) -> list[GaussianModel]:
+    def models(
+        self, root: Floats, reach: float, spectrum: tuple[Floats, Floats] | None = None
+    ) -> list[GaussianModel]:
         """Return the models of all s on a grid whose (2), at the best v, is within reach of the greatest."""
-        found, sizes, noises = self._evidence(root)
+        found, sizes, noises = self._evidence(root, spectrum)
         best = np.argmax(found, axis=1)
         likely = [(i, j) for i, j in enumerate(best) if found[i, j] >= found.max() - reach]
         columns = self.columns @ root
@@ -185,11 +197,12 @@ class ColumnSpace:
             for i, j in likely
         ]
 
-    def _evidence(self, root: Floats) -> tuple[Floats, Floats, Floats]:
+    def _evidence(
+        self, root: Floats, spectrum: tuple[Floats, Floats] | None
+    ) -> tuple[Floats, Floats, Floats]:
         """Return (2) over a grid, shape (s, v), and the values of s and v."""
         n, yy = len(self.data.y), self.square
-        values, vectors = np.linalg.eigh(root.T @ self.gram @ root)
-        values = np.maximum(values, 0.0)
+        values, vectors = spectrum or self.spectrum(root)
         c = vectors.T @ (root.T @ self.moment)
         greatest = float(values.max(initial=0.0)) or 1.0
         sizes2 = np.concatenate([[0.0], np.geomspace(1.0, 1e12, 61) / greatest])

@@ -34,6 +34,8 @@ from flexarm.missing_law.gaussian import ColumnSpace, GaussianData, GaussianMode
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.windup import WindupResponse, driven_joints
 
+_Roots = dict[float, tuple[Floats, tuple[Floats, Floats]]]
+
 
 @dataclass(frozen=True, eq=False)
 class Latent:
@@ -84,20 +86,25 @@ def nuisance_projection(problem: Problem, fit: Fit) -> Projection:
 
 
 def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[Latent]:
-    """Yield the latent motion of each place: driven joints, axes of the base, sensors."""
-    arm = with_members(fit.nuisance.arm, fit.members)
+    """Yield the latent motion of each place: driven joints, axes of the base, sensors.
+
+    Sensors are left out whose offset cannot come near the likeliest joint.
+    """
+    arm, best = with_members(fit.nuisance.arm, fit.members), -np.inf
     for joint in _likely_joints(problem, fit, arm, policy):
         try:
             found = _of_joint(joint, problem, fit, arm, policy)
         except FIT_ERRORS:
             continue
         if found is not None:
+            best = max(best, found.model.log_evidence if found.gain > policy.evidence else -np.inf)
             yield found
     for axis, bases, jacobian in base_responses(problem, arm, policy):
         yield _exact(BASE, f"rotation about {axis}", "rad", problem, fit, bases, jacobian, policy)
     motions = (rows for rows in problem.rows if problem.records[rows.record].kind == "motion")
     for signal in dict.fromkeys(rows.signal for rows in motions):  # free in each pose, an offset is noise
-        yield _offset(signal, problem, fit, policy)
+        if most_of_offset(signal, problem, fit) > best - problem.policy.reach:
+            yield _offset(signal, problem, fit, policy)
 
 
 def _likely_joints(problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> list[str]:
@@ -136,24 +143,27 @@ def _inferred(
     residual = fit.residual / scale
     data = GaussianData(-residual, projection)
     bases, space = list(response.bases.values()), ColumnSpace.of(data, jacobian)
+    roots = _roots(space, bases, policy)
     for round_ in range(policy.linearisations + 1):
-        model, mean, deviation, length = _most_likely(space, bases, policy)
+        model, mean, deviation, length = _most_likely(space, roots)
         if round_ < policy.linearisations:
             moved = response.moved(mean) / scale
             space = space.about(GaussianData(-(residual + moved - jacobian @ mean), projection))  # eq. (2)
     return Latent(at, quantity, unit, space.data, model, length, mean, deviation, bases, response)
 
 
-def _most_likely(
-    space: ColumnSpace, bases: Sequence[Basis], policy: LawPolicy
-) -> tuple[GaussianModel, Floats, Floats, float]:
+def _roots(space: ColumnSpace, bases: Sequence[Basis], policy: LawPolicy) -> _Roots:
+    """Return L of (1) with its spectrum, by length."""
+    roots = {each: block_diag(*(basis.root(each) for basis in bases)) for each in lengths_of(bases, policy)}
+    return {length: (root, space.spectrum(root)) for length, root in roots.items()}
+
+
+def _most_likely(space: ColumnSpace, roots: _Roots) -> tuple[GaussianModel, Floats, Floats, float]:
     """Return (1) with the most likely length, mean and root of the covariance of c, and that length."""
-    roots = {
-        length: block_diag(*(basis.root(length) for basis in bases)) for length in lengths_of(bases, policy)
-    }
-    length = max(roots, key=lambda each: space.log_evidence(roots[each]))
-    model = space.model(roots[length])
-    root = roots[length] * model.size
+    length = max(roots, key=lambda each: space.log_evidence(*roots[each]))
+    root, spectrum = roots[length]
+    model = space.model(root, spectrum)
+    root = root * model.size
     mean, deviation = model.posterior()
     return model, root @ mean, root @ (np.sqrt(model.noise) * deviation), length
 
@@ -172,8 +182,20 @@ def _exact(
     scale = noise_scale(problem, fit)
     data = GaussianData(-fit.residual / scale, nuisance_projection(problem, fit))
     space = ColumnSpace.of(data, diags(1 / scale) @ jacobian)
-    model, mean, deviation, length = _most_likely(space, bases, policy)
+    model, mean, deviation, length = _most_likely(space, _roots(space, bases, policy))
     return Latent(at, quantity, unit, data, model, length, mean, deviation, bases)
+
+
+def most_of_offset(signal: str, problem: Problem, fit: Fit) -> float:
+    """Return what the log evidence of a sensor's offset is less than: all rows explained at no cost."""
+    scale, of = noise_scale(problem, fit), nuisance_projection(problem, fit)
+    others = np.ones(len(scale), dtype=bool)
+    for each, where in problem.channels():
+        others[where] = each.signal != signal
+    rest = Projection(of.jacobian[others], of.sigma).project((fit.residual / scale)[others])
+    square = float(rest @ rest)
+    v = max(square / len(scale), 1.0)
+    return -0.5 * (len(scale) * float(np.log(v)) + square / v)
 
 
 def _offset(signal: str, problem: Problem, fit: Fit, policy: LawPolicy) -> Latent:

@@ -151,6 +151,7 @@ class LawSearch:
         response = (latent.response.jacobian / noise_scale(problem, fit)[:, None]) @ inverse
         self.space = ColumnSpace.of(latent.data, response)
         self.splines = sparse_diagonal(splines).tocsr()
+        self._curves: dict[str, tuple[Floats, Floats, Floats]] = {}
         self.explained = max(self.left_without - latent.model.left(), 1e-300)
 
     @property
@@ -211,12 +212,23 @@ class LawSearch:
 
     def _root(self, of: str, masks: Sequence[Mask], length: float) -> tuple[Floats, Floats, Floats]:
         """Return what turns unit normals into coefficients of splines, and into values at knots; knots."""
-        y = self.states.values[of]
-        knots = knots_over(of, y, self.policy)
-        between = _interpolation(y, knots)
-        parts = [(self.splines.T @ between.multiply(mask[:, None])).toarray() for mask in masks]
-        root = block_diag(*[curve_matern(len(knots), length)] * len(masks))
-        return np.column_stack(parts) @ root, root, knots
+        knots, between, whole = self._curve(of)
+        parts = [whole]
+        if len(masks) == 2:  # which share all states
+            one = np.asarray(self.splines.T @ (between * masks[0][:, None]))
+            parts = [one, whole - one]
+        matern = curve_matern(len(knots), length)
+        root = block_diag(*[matern] * len(masks))
+        return np.column_stack([part @ matern for part in parts]), root, knots
+
+    def _curve(self, of: str) -> tuple[Floats, Floats, Floats]:
+        """Return the knots of a state, H of (1), and N^T H."""
+        if of not in self._curves:
+            y = self.states.values[of]
+            knots = knots_over(of, y, self.policy)
+            between = _interpolation(y, knots).toarray()
+            self._curves[of] = knots, between, np.asarray(self.splines.T @ between)
+        return self._curves[of]
 
     def _model(self, of: str, masks: Sequence[Mask], length: float) -> tuple[GaussianModel, Floats, Floats]:
         to_splines, root, knots = self._root(of, masks, length)

@@ -12,19 +12,19 @@ class LawPolicy:
     spacing: float = 0.1
     """Distance of knots in time [s]: a sudden change takes about two of them."""
     most_knots: int = 300
-    """Greatest number of knots a record [1]: each costs a run."""
+    """Greatest number of knots a record [1]: each costs a column of all derivatives."""
     lengths: tuple[float, ...] = (0.3, 1.0, 3.0, 10.0)
     """Correlation lengths of a latent motion [s]: from one knot to a third of a record."""
     response_step: float = 0.016
     """Time step of linear responses [s]: a mode of 3 Hz is 0.8 % slow, and the residual itself is exact."""
     perturbation: float = 1e-3
-    """Perturbation of a drive for a difference quotient [rad, m], above where Newton's iterations stop."""
-    batch: int = 8
-    """Runs at a time, over the simulations at once [1], after which the budget of time is looked at."""
+    """Perturbation of poses for a difference quotient [rad, m], above where Newton's iterations stop."""
+    batch: int = 64
+    """Splines whose responses one run gives [1], after which the budget of time is looked at."""
     most_joints: int = 3
     """Joints whose latent motion is inferred [1]: the best ones of a linear pass over all."""
     pass_spacing: float = 0.4
-    """Distance of knots in time in that pass [s]: a quarter of the runs, without another linearisation."""
+    """Distance of knots in time in that pass [s]: a quarter of the splines, without another linearisation."""
     linearisations: int = 2
     """Times that the residual is simulated about the latent motion [1]."""
     curve_knots: int = 41

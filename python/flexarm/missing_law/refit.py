@@ -37,7 +37,7 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.estimator import FORETOLD, Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.parameters import members_at
 from flexarm.diagnosis.problem import Problem
@@ -203,7 +203,14 @@ class _Linearised:
     scale: Floats
 
     @classmethod
-    def about(cls, estimator: Estimator, members: tuple[Candidate, ...], policy: LawPolicy) -> _Linearised:
+    def about(
+        cls,
+        estimator: Estimator,
+        members: tuple[Candidate, ...],
+        policy: LawPolicy,
+        by_modes: Floats | None = None,
+    ) -> _Linearised:
+        """Return the model with its derivatives; those by modes are kept where they are given."""
         problem = estimator.problem
         there = estimator.as_stated((), members)
         fit = there.linearised(members)
@@ -215,7 +222,9 @@ class _Linearised:
         def model(changed: TabulatedLaw) -> Arm:
             return there.with_effects((*members[:-1], _member(changed)))
 
-        by_modes = law_jacobian(problem, lambda v: model(law.with_values(v)), law.values, modes, policy)
+        if by_modes is None:
+            by_modes = law_jacobian(problem, lambda v: model(law.with_values(v)), law.values, modes, policy)
+            by_modes /= scale[:, None]
         by_instant = np.zeros((len(problem), 0))
         if (instant := law.instant) is not None:
             h = 0.5 * law.duration
@@ -223,7 +232,7 @@ class _Linearised:
                 problem.residual(model(law.replace(instant=t))) for t in (instant + h, instant - h)
             )
             by_instant = (after - before)[:, None] / (2 * h)
-        return cls(there, fit, modes, by_modes / scale[:, None], by_instant / scale[:, None], scale)
+        return cls(there, fit, modes, by_modes, by_instant / scale[:, None], scale)
 
     @property
     def jacobian(self) -> Floats:
@@ -308,10 +317,24 @@ class _Linearised:
             part = step.part(t, self)
             try:
                 if self.objective(part) < before:
-                    return self.about(self.moved(part), self.members(part), policy)
+                    kept = self.by_modes if self.foretells(part) else None
+                    return self.about(self.moved(part), self.members(part), policy, kept)
             except FIT_ERRORS:
                 continue
         return None
+
+    def foretells(self, step: _Step) -> bool:
+        """Return True if the derivatives miss a sigma of a single value, or a small part of what moves."""
+        move = (self.moved(step).residual(self.members(step)) - self.fit.residual) / self.scale
+        missed = move - self.change(step)
+        return float(missed @ missed) < max(1.0, FORETOLD**2 * float(move @ move))
+
+    def change(self, step: _Step) -> Floats:
+        """Return what (1) says that a step changes of the residual, with x eliminated, over the noise."""
+        by_law = self.jacobian @ (step.values - self.law.values) + self.by_instant @ (
+            step.instant - self.instant
+        )
+        return np.asarray(by_law + self.fit.jacobian @ (step.z - self.fit.z) / self.scale)
 
     def told(self, step: _Step) -> FittedLaw:
         """Return the law at the mean of (1) with deviations of all that was fitted."""
@@ -319,9 +342,7 @@ class _Linearised:
         law = members[-1].effect
         assert isinstance(law, TabulatedLaw)
         root, fitted = step.mixture.root, len(self.fit.z) + len(self.x)
-        change = self.jacobian @ (step.values - self.law.values)
-        change += self.by_instant @ (step.instant - self.instant)
-        residual = self.fit.residual + change * self.scale + self.fit.jacobian @ (step.z - self.fit.z)
+        residual = self.fit.residual + self.change(step) * self.scale
         fit = replace(self.fit, members=members, z=step.z, residual=residual)
         sizes = estimates_at(fit, step.mixture.deviation[:fitted])
         spread = np.concatenate([np.linalg.norm(root, axis=1), step.mixture.deviation[fitted:]])

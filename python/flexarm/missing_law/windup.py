@@ -8,18 +8,19 @@ theta the link's angle and k the joint's stiffness,
 so that a run along phi + w has it. w is a cubic B-spline in each record [deBoor2001],
 
 .. math:: w(t) = \sum_j c_j B_j(t), \qquad
-          \partial r/\partial c_j = (r(\varphi + \varepsilon B_j) - r(\varphi))/\varepsilon            (2)
+          \partial r/\partial c_j = \lim_{\varepsilon \to 0}
+          (r(\varphi + \varepsilon B_j) - r(\varphi))/\varepsilon                                        (2)
 
-In poses w is a number for each, and one run turns the joint in all of them: no pose moves another one. A
+One run gives (2) of many splines: each step is differentiated by all of them. In poses w is a number for
+each, and one run turns the joint in all of them: no pose moves another one; (2) is a difference there. A
 torque f that the joint loses is the windup w = -f/k. Runs of (2) take a longer time step; residuals about a
 latent motion are simulated with the step of the problem.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 from math import factorial
 from typing import TYPE_CHECKING
 
@@ -28,9 +29,11 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.budget import allows
-from flexarm.comparison.simulated_record import SimulatedRecord
+from flexarm.comparison.simulated_record import SimulatedRecord, rotation_between
 from flexarm.diagnosis.problem import Problem
-from flexarm.drive import JointDrive
+from flexarm.diagnosis.residual_rows import put_over_noise
+from flexarm.drive import Drive, JointDrive
+from flexarm.measurement.slopes import predict_slopes
 from flexarm.missing_law.basis import Basis, PoseBasis, basis_of
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.threads import at_once
@@ -86,33 +89,31 @@ class WindupResponse:
         }
         first = dict(zip(bases, np.cumsum([0, *map(len, bases.values())]), strict=False))
         found = np.zeros((len(problem), sum(map(len, bases.values()))))
-        nothing = coarse.residual(arm)
 
-        def column(which: tuple[str, int]) -> None:
+        def columns(which: tuple[str, int]) -> None:
             name, j = which
-            basis = bases[name]
-            poses = isinstance(basis, PoseBasis)
-            unit = policy.perturbation * (np.ones(len(basis)) if poses else np.eye(len(basis))[j])
-            after = nothing.copy()
-            coarse.write_residual(after, name, wound_run(coarse, arm, name, joint, basis, unit))
-            change = (after - nothing) / policy.perturbation  # eq. (2)
-            if not poses:
-                found[:, first[name] + j] = change
+            basis, at = bases[name], first[name]
+            if isinstance(basis, PoseBasis):
+                moved, nothing = coarse.residual(arm).copy(), coarse.residual(arm)
+                turned = policy.perturbation * np.ones(len(basis))
+                coarse.write_residual(moved, name, wound_run(coarse, arm, name, joint, basis, turned))
+                for rows in coarse.rows_of(name):
+                    row = np.arange(rows.where.start, rows.where.stop)
+                    change = (moved - nothing)[rows.where] / policy.perturbation
+                    found[row, at + np.rint(rows.time).astype(int)] = change
                 return
-            for rows in coarse.rows_of(name):
-                row = np.arange(rows.where.start, rows.where.stop)
-                found[row, first[name] + np.rint(rows.time).astype(int)] = change[rows.where]
+            some = basis.splines()[j : j + policy.batch]
+            found[:, at + j : at + j + len(some)] = _slopes(coarse, arm, name, joint, some)
 
         runs = [
-            which
+            (name, j)
             for name, basis in bases.items()
-            for which in product([name], range(1 if isinstance(basis, PoseBasis) else len(basis)))
+            for j in range(0, 1 if isinstance(basis, PoseBasis) else len(basis), policy.batch)
         ]
-        batch = policy.batch * problem.jobs
-        for k in range(0, len(runs), batch):
+        for k in range(0, len(runs), problem.jobs):
             if not allows(f"the missing motion of {joint} was sought"):
                 return None
-            at_once(column, runs[k : k + batch], problem.jobs)
+            at_once(columns, runs[k : k + problem.jobs], problem.jobs)
         return cls(problem, arm, joint, bases, found)
 
     def parts(self, coefficients: Floats) -> dict[str, Floats]:
@@ -132,6 +133,29 @@ class WindupResponse:
     def run(self, name: str, coefficients: Floats) -> SimulatedRecord:
         """Return the run of a record with a latent motion."""
         return wound_run(self.problem, self.arm, name, self.joint, self.bases[name], coefficients)
+
+
+def _slopes(problem: Problem, arm: Arm, name: str, joint: str, splines: Sequence[PPoly]) -> Floats:
+    """Return (2) of some splines of a record, shape (n, splines), zero in the rows of others."""
+    changes = [Drive({joint: JointDrive(each.x, each.c)}) for each in splines]
+    pair, placement = problem.simulations.differentiated(name, arm, changes), problem.placement[name]
+    found = np.zeros((len(problem), len(splines)))
+
+    def of_signal(name: str) -> Floats:
+        signal, clock = pair.record.signals[name], placement.clock(pair.record.signals[name])
+        slopes = predict_slopes(
+            pair.simulation, signal, clock, placement.frame(signal), stamps=pair.stamps[name]
+        )
+        slopes = np.where(np.isnan(slopes), 0.0, slopes)  # after the end of the run
+        if signal.quantity != "orientation":
+            return -slopes
+        shown, part = pair.predicted(signal, placement, hold=True), 1e-6
+        before = rotation_between(signal.values, shown)
+        after = [rotation_between(signal.values, shown + part * slopes[..., k]) for k in range(len(splines))]
+        return np.stack([(each - before) / part for each in after], axis=-1)
+
+    put_over_noise(found, problem.rows_of(name), of_signal)
+    return found
 
 
 def driven_joints(problem: Problem, arm: Arm, name: str) -> set[str]:

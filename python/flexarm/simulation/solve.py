@@ -6,6 +6,7 @@ start.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,11 +16,13 @@ from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter
 from flexarm.arrays import Floats, read_only
 from flexarm.assembly import assemble, joint_values
-from flexarm.drive.lag import lagging
-from flexarm.sensitivity import Redrive, collected, varied
+from flexarm.drive import Drive
+from flexarm.drive.lag import as_followed, lagging
+from flexarm.errors import InvalidParameter
+from flexarm.sensitivity import Redrive, Sensitivities, collected, varied
 from flexarm.simulation.energies import energies_of
 from flexarm.simulation.from_core import simulation_of
-from flexarm.simulation.prepared import PreparedRun
+from flexarm.simulation.prepared import PreparedRun, motions
 from flexarm.simulation.progress import Report
 from flexarm.simulation.simulation import Simulation
 from flexarm.statics.backlash_derivative import require_backlash_derivative
@@ -46,13 +49,13 @@ _DERIVED = (
 
 def solved(run: PreparedRun, report: Report) -> Simulation:
     """Return the run alone."""
-    system, motions = _free(run, run.arm), run.motions
+    system, along = _free(run, run.arm), run.motions
     held = _held(run, system)
-    equilibrium = _start(run, held, motions)
+    equilibrium = _start(run, held, along)
     if held is not system:
         equilibrium = _core.released(held, equilibrium, system)
-    found = _core.simulate(system, equilibrium, motions, run.options, report)
-    energies = energies_of(found, system, equilibrium, motions, run.options, run.led)
+    found = _core.simulate(system, equilibrium, along, run.options, report)
+    energies = energies_of(found, system, equilibrium, along, run.options, run.led)
     return _with_commands(run, simulation_of(run.arm, found, run.options, energies, run.led))
 
 
@@ -71,34 +74,60 @@ def differentiated(
     run: PreparedRun, wanted: tuple[Parameter, ...], redrive: Redrive | None, report: Report
 ) -> Simulation:
     """Return the run with the derivatives of its arrays."""
-    system, motions = _free(run, run.arm), run.motions
+    system = _free(run, run.arm)
     held = _held(run, system)
-    equilibrium = _start(run, held, motions)
     varied_systems, places = varied(run.arm, wanted, lambda arm: _free(run, arm), redrive)
     still = varied_systems
     if held is not system:
         still, _ = varied(run.arm, wanted, lambda arm: _with_motors_held(run, arm), redrive)
-    initial = _core.static_derivative(held, equilibrium, still, run.options.start)
-    require_backlash_derivative(
-        run.arm,
-        [wanted[place] for place in places],
-        still,
-        held,
-        equilibrium,
-        initial,
-        lambda other: _start(run, other, motions),
+    moving = [wanted[place] for place in places]
+    found, arrays = _with_slopes(run, system, held, varied_systems, still, report, moving)
+    return replace(found, sensitivities=collected(wanted, places, arrays))
+
+
+def driven(run: PreparedRun, changes: Sequence[Drive]) -> Simulation:
+    """Return the run with the derivatives of its arrays by a part of each of some changes of its drives.
+
+    Raise InvalidParameter if a controller drives a joint: its loop answers to a change.
+    """
+    if any(joint.side == "command" for joint in run.drive.joints.values()):
+        raise InvalidParameter("must prescribe motions or torques, no commands", where="drive")
+    system = _free(run, run.arm)
+    held = _held(run, system)
+    nothing = motions(run.arm, Drive({}))
+    along = [motions(run.arm, as_followed(change, run.arm)) for change in changes]
+    free, still = (
+        [_core.Varied(each, each, 1.0, 0.0, there, nothing) for there in along] for each in (system, held)
     )
+    found, arrays = _with_slopes(run, system, held, free, still, None)
+    parts = tuple(Parameter(f"drives.{k}", 0.0, "1", drives=True) for k in range(len(changes)))
+    return replace(found, sensitivities=Sensitivities(parts, arrays))
+
+
+def _with_slopes(
+    run: PreparedRun,
+    system: _core.System,
+    held: _core.System,
+    free: list[_core.Varied],
+    still: list[_core.Varied],
+    report: Report,
+    wanted: Sequence[Parameter] = (),
+) -> tuple[Simulation, dict[str, Floats]]:
+    """Return the run and the slopes of its arrays by what varies, with motors free and still."""
+    equilibrium = _start(run, held, run.motions)
+    initial = _core.static_derivative(held, equilibrium, still, run.options.start)
+    if wanted:
+        require_backlash_derivative(
+            run.arm, wanted, still, held, equilibrium, initial, lambda other: _start(run, other, run.motions)
+        )
     if held is not system:
         initial = _core.released_derivative(held, initial, system)
         equilibrium = _core.released(held, equilibrium, system)
     run.options.tolerance = DIFFERENTIATED
-    both = _core.simulate_differentiated(
-        system, equilibrium, motions, run.options, varied_systems, initial, report
-    )
-    energies = energies_of(both.run, system, equilibrium, motions, run.options, run.led)
+    both = _core.simulate_differentiated(system, equilibrium, run.motions, run.options, free, initial, report)
+    energies = energies_of(both.run, system, equilibrium, run.motions, run.options, run.led)
     found = _with_commands(run, simulation_of(run.arm, both.run, run.options, energies, run.led))
-    arrays = derived(found, both.derivatives, len(places), run.led)
-    return replace(found, sensitivities=collected(wanted, places, arrays))
+    return found, derived(found, both.derivatives, len(free), run.led)
 
 
 def derived(run: Simulation, derivatives: _core.Transient, count: int, led: int = 0) -> dict[str, Floats]:
@@ -127,14 +156,12 @@ def _held(run: PreparedRun, system: _core.System) -> _core.System:
     return _with_motors_held(run, run.arm)
 
 
-def _start(
-    run: PreparedRun, held: _core.System, motions: list[_core.PiecewisePolynomial]
-) -> _core.Equilibrium:
+def _start(run: PreparedRun, held: _core.System, along: list[_core.PiecewisePolynomial]) -> _core.Equilibrium:
     """Return the equilibrium under the first drive values; motors driven by torque are held at rest."""
     told = run.prescribed
     first = {
         joint.name: motion(run.options.start)[0]
-        for joint, motion in zip(run.arm.joints, motions, strict=True)
+        for joint, motion in zip(run.arm.joints, along, strict=True)
         if joint.name in told
     }
     values = joint_values(run.arm, {**run.drive.rest, **first})

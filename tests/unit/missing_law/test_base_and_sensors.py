@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from hidden_pendulum import LENGTH, Study, nominal
 
+import flexarm
+from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.missing_law.base import base_responses
-from flexarm.missing_law.latent import Latent, latent_motions
+from flexarm.missing_law.latent import Latent, _offset, latent_motions, most_of_offset
 from flexarm.missing_law.policy import LawPolicy
 
 QUICK = LawPolicy(spacing=0.5)
@@ -86,6 +88,32 @@ def test_a_law_stands_before_what_is_a_function_of_time_alone():
     kinds = [(each.at, each.kind == "law") for each in laws.curves]
     assert kinds[0] == ("hinge", True)
     assert ("base", False) in kinds
+
+
+def test_an_offset_that_cannot_come_near_the_likeliest_joint_is_left_out():
+    """The tip shows more of the windup of a soft joint than what clocks and frames explain."""
+    arm = nominal()
+    middle = arm.points[0].replace(name="mid", position=(0, 0, LENGTH / 2))
+    arm = arm.replace(points=(*arm.points, middle))
+    t = np.arange(0, 20.001, 0.02)
+    drive = flexarm.Drive.from_samples(t, {"hinge": 0.4 * np.sin(t) ** 2})
+    soft = arm.with_effect(arm.effect("joint_compliance", "hinge").with_parameters({"stiffness": 1e5}))
+    sensors = [
+        Sensor(name="motor", quantity="joint_angle", joint="hinge", side="motor", rate_hz=50, noise_std=1e-6)
+    ] + [
+        Sensor(name=name, quantity="position", point=name, axes=("x", "z"), rate_hz=10, noise_std=4e-5)
+        for name in ("tip", "mid")
+    ]
+    run = flexarm.simulate(soft, drive, step=8e-3)
+    record = flexarm.measure(run, sensors, np.random.default_rng(0), drive=["motor"])
+    problem = Problem(arm, {"run": record}, step=8e-3, jobs=1)
+    fit = Estimator.nominal(problem, nuisance_model(problem)).fit(())
+    found = {each.at: each.model.log_evidence for each in latent_motions(problem, fit, QUICK)}
+    assert "mid" not in found
+    assert most_of_offset("mid", problem, fit) < found["hinge"] - problem.policy.reach
+    for signal in ("tip", "mid"):
+        evidence = _offset(signal, problem, fit, QUICK).model.log_evidence
+        assert evidence < most_of_offset(signal, problem, fit)
 
 
 def test_the_offset_of_a_sensor_has_the_sign_of_its_readings():

@@ -20,6 +20,7 @@ from flexarm.diagnosis.problem import Problem
 from flexarm.effects.tabulated_law import TabulatedLaw
 from flexarm.missing_law.latent import latent_motions
 from flexarm.missing_law.policy import LawPolicy
+from flexarm.missing_law.windup import WindupResponse
 
 JOINTS = ("a", "b", "c", "d")
 QUICK = LawPolicy(spacing=0.4, pass_spacing=0.8, linearisations=0)
@@ -43,23 +44,28 @@ def chain() -> flexarm.Arm:
     )
 
 
+def drive_of_all() -> flexarm.Drive:
+    t = np.arange(0, 8.005, 0.02)
+    return flexarm.Drive.from_samples(t, {name: swing(0.3, 4.0 + k, 0.5)(t) for k, name in enumerate(JOINTS)})
+
+
+def motors() -> list[Sensor]:
+    return [
+        Sensor(name=name, quantity="joint_angle", joint=name, side="motor", rate_hz=50, noise_std=1e-6)
+        for name in JOINTS
+    ]
+
+
 @cache
 def problem() -> Problem:
     """A record of 8 s of a chain whose third joint loses a torque that saturates with its rate."""
     x = np.linspace(-1.0, 1.0, 21)
     law = TabulatedLaw(at="c", quantity="torque", of="rate", x=tuple(x), value=tuple(20 * np.tanh(x / 0.1)))
-    t = np.arange(0, 8.005, 0.02)
-    drive = flexarm.Drive.from_samples(
-        t, {name: swing(0.3, 4.0 + k, 0.5)(t) for k, name in enumerate(JOINTS)}
-    )
-    sensors = [
-        Sensor(name=name, quantity="joint_angle", joint=name, side="motor", rate_hz=50, noise_std=1e-6)
-        for name in JOINTS
-    ] + [
+    sensors = motors() + [
         Sensor(name=name, quantity="position", point=name, axes=("x", "z"), rate_hz=10, noise_std=4e-5)
         for name in ("tip", "elbow")
     ]
-    run = flexarm.simulate(chain().with_effect(law), drive, step=4e-3)
+    run = flexarm.simulate(chain().with_effect(law), drive_of_all(), step=4e-3)
     shown = flexarm.measure(run, sensors, np.random.default_rng(0), drive=list(JOINTS))
     return Problem(chain(), {"run": shown}, step=8e-3, jobs=1)
 
@@ -70,6 +76,30 @@ def test_a_linear_pass_over_all_joints_keeps_the_one_with_the_law():
     joints = [each for each in found if each.quantity == "windup"]
     assert len(joints) == QUICK.most_joints < len(JOINTS)
     assert max(found, key=lambda each: each.gain).at == "c"
+
+
+def test_the_response_of_each_quantity_is_that_of_a_simulated_windup():
+    """Positions, an attitude, a torque and a rate of an arm with other joints; in the steps of responses."""
+    run = flexarm.simulate(chain(), drive_of_all(), step=4e-3, rotations=True)
+    seen = {
+        "position": {"point": "tip", "axes": ("x", "z")},
+        "orientation": {"point": "tip"},
+        "angular_rate": {"point": "tip", "axes": ("y",)},
+        "motor_torque": {"joint": "b"},
+    }
+    sensors = motors() + [
+        Sensor(name=quantity, quantity=quantity, rate_hz=20, noise_std=1e-4, **where)
+        for quantity, where in seen.items()
+    ]
+    record = flexarm.measure(run, sensors, np.random.default_rng(0), drive=list(JOINTS))
+    problem = Problem(chain(), {"run": record}, step=QUICK.response_step, jobs=1)
+    assert {rows.signal for rows in problem.rows} == set(seen)
+    response = WindupResponse.of(problem, chain(), "b", QUICK)
+    motion = 1e-5 * np.sin(response.bases["run"].places)
+    expected, found = response.moved(motion), response.jacobian @ motion
+    for rows, where in problem.channels():
+        error = np.linalg.norm(found[where] - expected[where])
+        assert error < 0.02 * np.linalg.norm(expected[where]) + 1e-9, rows.signal
 
 
 def test_the_budget_of_time_ends_the_search_within_a_place():
