@@ -120,9 +120,8 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
     measured = _matching_quaternions(signal, predicted)
     instants = simulated.instants(signal, placement)
     found = []
-    for k in range(measured.shape[1]):
+    for k, (regressors, prior_std) in enumerate(nuisance_regressors(simulated, signal, placement, predicted)):
         keep = np.isfinite(measured[:, k]) & np.isfinite(predicted[:, k])
-        regressors, prior_std = nuisance_regressors(simulated, signal, placement, predicted, k)
         moving = float(np.std(predicted[keep, k])) if keep.any() else 0.0
         stated = float(simulated.effects(signal).noise(signal.noise_std or 0.0)[k])
         noise = min(stated, _successive_scatter(measured[keep, k]))

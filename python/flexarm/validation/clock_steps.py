@@ -18,25 +18,26 @@ A simulation that begins at rest with a moving drive rings, which the arm did no
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.record import Record, Signal
-from flexarm.validation.channel import QUASI_STATIC, Channel, channels
-from flexarm.validation.initial_alignment import initial_alignment
+from flexarm.validation.channel import QUASI_STATIC, Channel
 from flexarm.validation.policy import POLICY
 
 
-def remarks_on_clocks(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
-    """Report steps of the delay of every clock in every record."""
+def remarks_on_clocks(
+    simulations: Mapping[str, SimulatedRecord], seen: Mapping[str, Sequence[Channel]]
+) -> list[str]:
+    """Report steps of the delay of every clock in every record, of which `seen` are the channels."""
     found = []
     for name, simulated in simulations.items():
         if simulated.record.kind == "static":
             continue
         best: dict[str, tuple[float, float, float, str]] = {}
-        for channel in channels(name, simulated, initial_alignment(simulated)):
+        for channel in seen[name]:
             clock = channel.signal.clock
             if channel.signal.quantity in QUASI_STATIC and len(channel.rows) > 30:
                 best[clock] = max(best.get(clock, (0.0, 0.0, 0.0, "")), _step(channel))

@@ -197,10 +197,13 @@ def _explained_by_delay(
     return False
 
 
-def find_channel_faults(name: str, simulated: SimulatedRecord) -> list[ChannelFinding]:
-    """Return the finding of every channel of a record."""
+def find_channel_faults(
+    name: str, simulated: SimulatedRecord, seen: list[Channel] | None = None
+) -> list[ChannelFinding]:
+    """Return the finding of every channel of a record, `seen` if these are known."""
     placement = initial_alignment(simulated)
-    return [_judge_channel(channel, simulated, placement) for channel in channels(name, simulated, placement)]
+    seen = channels(name, simulated, placement) if seen is None else seen
+    return [_judge_channel(channel, simulated, placement) for channel in seen]
 
 
 def _judge_channel(channel: Channel, simulated: SimulatedRecord, placement: Placement) -> ChannelFinding:

@@ -40,7 +40,7 @@ from flexarm.measurement.outliers import (
 from flexarm.measurement.predict import read
 from flexarm.record import Record, Signal
 from flexarm.record.quantisation_grid import quantisation_step
-from flexarm.validation.channel import channels
+from flexarm.validation.channel import Channel
 from flexarm.validation.finding import RemovedOutliers
 from flexarm.validation.policy import POLICY
 
@@ -60,14 +60,14 @@ def clean_drives(name: str, record: Record) -> tuple[Record, list[RemovedOutlier
 
 
 def clean_evidence(
-    name: str, simulated: SimulatedRecord, placement: Placement
+    name: str, simulated: SimulatedRecord, placement: Placement, channels: Sequence[Channel]
 ) -> tuple[Record, list[RemovedOutliers]]:
-    """Return the record without the outliers of its other signals, and these."""
+    """Return the record without the outliers of its other signals, of given channels, and these."""
     record, found = simulated.record, []
     if record.kind == "static":
         return _without_poses(name, simulated, placement)
     residuals: dict[str, Floats] = {}
-    for channel in channels(name, simulated, placement):
+    for channel in channels:
         signal = channel.signal
         residual = residuals.setdefault(signal.name, np.full(signal.values.shape, np.nan))
         residual[channel.rows, channel.index] = channel.robust_residual()

@@ -26,6 +26,7 @@ Units: those of the channel.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import hypot
 
@@ -37,6 +38,7 @@ from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import sample
+from flexarm.quantities import channel_names
 from flexarm.record import Signal
 from flexarm.validation.policy import POLICY
 
@@ -140,24 +142,29 @@ def predicted_at(
 
 
 def nuisance_regressors(
-    simulated: SimulatedRecord, signal: Signal, placement: Placement, predicted: Floats, k: int
-) -> tuple[Floats, Floats]:
-    """Return the regressors c and deviations S of (4) to (7) for channel k of a signal."""
-    n = len(predicted)
-    regressors, prior_std = [np.ones(n)], [_offset(simulated, signal)]  # eq. (4)
-    for other in _other_axes(simulated, signal, placement, k):
-        regressors.append(other)
-        prior_std.append(POLICY.turn_std)  # eq. (5)
-    if simulated.record.kind == "motion":
-        ahead, behind = (predicted_at(simulated, signal, placement, shift)[:, k] for shift in (-SHORT, SHORT))
-        regressors.append((behind - ahead) / (2 * SHORT))  # eq. (6)
+    simulated: SimulatedRecord, signal: Signal, placement: Placement, predicted: Floats
+) -> Iterator[tuple[Floats, Floats]]:
+    """Return the regressors c and deviations S of (4) to (7) for each channel of a signal."""
+    axes, names = _axes(simulated, signal, placement, predicted), channel_names(signal.quantity, signal.axes)
+    moving = simulated.record.kind == "motion"
+    if moving:
+        ahead, behind = (predicted_at(simulated, signal, placement, shift) for shift in (-SHORT, SHORT))
+        delayed = (behind - ahead) / (2 * SHORT)  # eq. (6)
         both = [simulated.record.clocks[name] for name in {signal.clock, drive_clock(simulated.record)}]
         sigma = 0.05 if any(clock.unknown for clock in both) else hypot(*(clock.sigma for clock in both))
-        prior_std.append(max(POLICY.delay_std, 3 * sigma))
-        if signal.quantity in ("motor_torque", "motor_voltage"):
-            regressors += _friction(simulated, signal, placement)  # eq. (7)
-            prior_std += [3 * float(np.nanstd(predicted[:, k]))] * 2
-    return np.column_stack(regressors), np.array(prior_std)
+    for k in range(predicted.shape[1]):
+        regressors, prior_std = [np.ones(len(predicted))], [_offset(simulated, signal)]  # eq. (4)
+        for axis, other in axes.items():
+            if axis != names[k]:
+                regressors.append(other)
+                prior_std.append(POLICY.turn_std)  # eq. (5)
+        if moving:
+            regressors.append(delayed[:, k])
+            prior_std.append(max(POLICY.delay_std, 3 * sigma))
+            if signal.quantity in ("motor_torque", "motor_voltage"):
+                regressors += _friction(simulated, signal, placement)  # eq. (7)
+                prior_std += [3 * float(np.nanstd(predicted[:, k]))] * 2
+        yield np.column_stack(regressors), np.array(prior_std)
 
 
 def _offset(simulated: SimulatedRecord, signal: Signal) -> float:
@@ -169,18 +176,18 @@ def _offset(simulated: SimulatedRecord, signal: Signal) -> float:
     return float("inf") if signal.unit == "m" else POLICY.offset_std.get(signal.quantity, float("inf"))
 
 
-def _other_axes(simulated: SimulatedRecord, signal: Signal, placement: Placement, k: int) -> list[Floats]:
-    """Return predictions of the other axes of a vector, or of the other channels of an orientation."""
+def _axes(
+    simulated: SimulatedRecord, signal: Signal, placement: Placement, predicted: Floats
+) -> dict[str, Floats]:
+    """Return predictions of all axes of a vector, or of the channels of an orientation; none of a scalar."""
     if signal.quantity == "orientation":
-        values = predicted_at(simulated, signal, placement)
-        return [np.nan_to_num(values[:, j]) for j in range(4) if j != k]
+        return dict(zip("xyzw", np.nan_to_num(predicted).T, strict=True))
     if signal.quantity not in ("position", "acceleration", "angular_rate"):
-        return []
+        return {}
     whole = signal.replace(axes=("x", "y", "z"), channels=(), values=np.zeros((len(signal), 3)))
     bare = simulated.arm.replace(effects=(), uncertainty={})  # axes that were not measured have none
     clean = replace(simulated, arm=bare)
-    values = predicted_at(clean, whole, placement)
-    return [np.nan_to_num(values[:, j]) for j, axis in enumerate("xyz") if axis != signal.axes[k]]
+    return dict(zip("xyz", np.nan_to_num(predicted_at(clean, whole, placement)).T, strict=True))
 
 
 def _friction(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> list[Floats]:

@@ -26,6 +26,7 @@ from flexarm.record import Record
 from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
 from flexarm.simulation import Progress
+from flexarm.validation.channel import Channel, channels
 from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
 from flexarm.validation.consensus import RecordFindings, merge_findings
 from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
@@ -98,6 +99,7 @@ def check(
         if at
     }
     all_findings = []
+    seen: dict[str, list[Channel]] = {}
     remarks += [
         *remarks_on_stamps(named),
         *remarks_on_starts(simulations),
@@ -107,14 +109,18 @@ def check(
     remarks += remarks_on_skipped(simulations)
     for name in (each for each in named if each not in empty):
         if name in simulations:
-            named[name], removed = clean_evidence(
-                name, simulations[name], initial_alignment(simulations[name])
-            )
+            simulated = simulations[name]
+            placement = initial_alignment(simulated)
+            seen[name] = channels(name, simulated, placement)
+            named[name], removed = clean_evidence(name, simulated, placement, seen[name])
             outliers += removed
-            simulation = simulations[name].simulation
-            pair = simulate_record(arm, named[name], align=False, simulation=simulation)
-            simulations[name] = pair.simulated
-        findings = _judge(arm, name, named[name], simulations.get(name), step, alpha)
+            if removed:
+                simulated = simulate_record(
+                    arm, named[name], align=False, simulation=simulated.simulation
+                ).simulated
+                simulations[name] = simulated
+                seen[name] = channels(name, simulated, initial_alignment(simulated))
+        findings = _judge(arm, name, named[name], simulations.get(name), seen.get(name), step, alpha)
         all_findings.append(findings)
         named[name], notes = _without_frozen(named[name], findings)
         remarks += notes
@@ -125,9 +131,9 @@ def check(
         [_reconsider(arm, findings, all_findings, named, step, alpha) for findings in all_findings]
     )
     if not faults:
-        remarks += [*remarks_on_clocks(simulations), *remarks_on_frames(simulations)]
+        remarks += [*remarks_on_clocks(simulations, seen), *remarks_on_frames(simulations)]
         remarks += remarks_on_unstated_frames(simulations)
-        remarks += [*remarks_on_shared_frames(simulations), *remarks_on_shared_clocks(simulations)]
+        remarks += [*remarks_on_shared_frames(simulations), *remarks_on_shared_clocks(simulations, seen)]
     sure = {
         v.record: confirmed_inputs(arm, named[v.record], v.channels) for v in all_findings if v.drive is None
     }
@@ -159,7 +165,8 @@ def clean_records(
             simulated = simulate_record(arm, record, align=False, step=step, alpha=alpha).simulated
         except InvalidParameter as error:
             raise InvalidParameter(str(error), where=name) from None
-        named[name], more = clean_evidence(name, simulated, initial_alignment(simulated))
+        placement = initial_alignment(simulated)
+        named[name], more = clean_evidence(name, simulated, placement, channels(name, simulated, placement))
         outliers += [*removed, *more]
         remarks += notes
     return ValidationResult(named, (), tuple(outliers), tuple(remarks))
@@ -218,12 +225,18 @@ def _prepare(
 
 
 def _judge(
-    arm: Arm, name: str, record: Record, simulated: SimulatedRecord | None, step: float, alpha: float
+    arm: Arm,
+    name: str,
+    record: Record,
+    simulated: SimulatedRecord | None,
+    seen: list[Channel] | None,
+    step: float,
+    alpha: float,
 ) -> RecordFindings:
     """Judge one record: its channels as recorded, or with a drive's fault if that explains more."""
     if simulated is None:
         return RecordFindings(name, (), find_drive_fault(arm, name, record, None, step, alpha))
-    found = find_channel_faults(name, simulated)
+    found = find_channel_faults(name, simulated, seen)
     if (stuck := stuck_drive(arm, record, found)) is not None:
         return RecordFindings(name, (), stuck)
     if not any(each.name or each.unexplained for each in found):

@@ -32,7 +32,7 @@ from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.frames import rotation_matrix
 from flexarm.measurement.sampling import columns
 from flexarm.measurement.tracker import base_position
-from flexarm.validation.channel import QUASI_STATIC, channels
+from flexarm.validation.channel import QUASI_STATIC, Channel
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
 from flexarm.wording import with_unit
@@ -157,15 +157,19 @@ def _apart(pair: Sequence[tuple[SimulatedRecord, _Sightings]], start: _Pose, fra
     )
 
 
-def remarks_on_shared_clocks(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """Report clocks of one name whose delays in two records differ."""
+def remarks_on_shared_clocks(
+    simulations: Mapping[str, SimulatedRecord], channels: Mapping[str, Sequence[Channel]]
+) -> Iterator[str]:
+    """Report clocks of one name whose delays in two records differ, by the channels of each."""
+    if len(simulations) < 2:
+        return
     found: dict[str, dict[str, tuple[float, float]]] = {}
     for name, simulated in simulations.items():
         if simulated.record.kind != "motion":
             continue
         placement, own = initial_alignment(simulated), drive_clock(simulated.record)
         seen: dict[str, list[tuple[float, float]]] = {}
-        for channel in channels(name, simulated, placement):
+        for channel in channels[name]:
             if channel.signal.clock != own and channel.signal.quantity in QUASI_STATIC:
                 seen.setdefault(channel.signal.clock, []).append(
                     _delay(channel.measured, channel.predicted, channel.regressors)
