@@ -61,7 +61,9 @@ def fitted(noise, slope, kind=PayloadMass):
     member = Candidate(effect, ("mass",), (), {})
     residual = noise + column @ z
     projection = Projection(np.zeros((N, 0)), np.zeros(0))
-    nuisance = SimpleNamespace(parameters=(), keys=[], arm=SimpleNamespace(joints=(), sensors=(), effects=()))
+    nuisance = SimpleNamespace(
+        parameters=(), keys=[], arm=SimpleNamespace(joints=(), closures=(), sensors=(), effects=())
+    )
     return Fit(
         (member,),
         (TransformedParameter(0, "mass", PRIOR),),
@@ -149,7 +151,9 @@ def bursts(noise):
     every = np.column_stack([ringing, others])
     found = np.linalg.lstsq(every, -noise, rcond=None)[0]
     fit = fitted(np.zeros(N), ringing)
-    nuisance = SimpleNamespace(parameters=(), keys=[], arm=SimpleNamespace(joints=(), sensors=(), effects=()))
+    nuisance = SimpleNamespace(
+        parameters=(), keys=[], arm=SimpleNamespace(joints=(), closures=(), sensors=(), effects=())
+    )
     projection = Projection(others, np.full(others.shape[1], 1e6))
     residual = noise + ringing * found[0]
     return replace(
