@@ -1,4 +1,4 @@
-"""Flexible robot arms by finite element multibody simulation, beside what was measured on them."""
+"""Flexible robot arms by finite element multibody simulation, compared with measurements."""
 
 from __future__ import annotations
 
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from flexarm.measurement.measure import measure as measure
     from flexarm.modal import Modes as Modes
     from flexarm.modal import modes as modes
+    from flexarm.opening import load as load
     from flexarm.record import Record as Record
     from flexarm.record import Signal as Signal
     from flexarm.reduction import InterfaceSet as InterfaceSet
@@ -93,6 +94,7 @@ _EXPORTS = {
     "export_urdf": "flexarm.export",
     "import_record": "flexarm.importing",
     "linearise": "flexarm.linear",
+    "load": "flexarm.opening",
     "measure": "flexarm.measurement",
     "modes": "flexarm.modal",
     "plan": "flexarm.diagnosis.design.planning",

@@ -134,6 +134,11 @@ class Arm(Table):
         return arm
 
     @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Return the arm in a model file, as `from_toml`."""
+        return cls.from_toml(path)
+
+    @classmethod
     @takes(data=TABLES)
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """Return the arm in a dictionary that holds what the TOML file would.

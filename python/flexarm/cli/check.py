@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexarm.cli.options import MESHES, AllowOutside, Json, MaxSeconds, print_json, refuse, warn
+from flexarm.cli.options import AllowOutside, Json, MaxSeconds, print_json, refuse, warn
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
+from flexarm.opening import MESHES
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm

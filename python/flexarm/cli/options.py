@@ -19,9 +19,6 @@ from flexarm.reading import OUTSIDE
 if TYPE_CHECKING:
     from flexarm.arm import Arm
 
-MESHES = (".inp", ".msh", ".vtu", ".bdf", ".nas", ".fem")
-"""Endings of meshes, which are no models."""
-
 Model = Annotated[Path, typer.Argument(metavar="MODEL", help="Model of the arm, a TOML file.")]
 JointValues = Annotated[
     list[str] | None,

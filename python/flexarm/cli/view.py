@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexarm.cli.options import MESHES, AllowOutside, JointValues, blame, joint_values, load_arm, warn
+from flexarm.cli.options import AllowOutside, JointValues, blame, joint_values, load_arm, warn
 from flexarm.errors import InvalidFile, Problem
-from flexarm.reading import check_hdf5, reading
+from flexarm.opening import MESHES, kind_of_netcdf
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
@@ -96,7 +96,7 @@ def _view(
         what = "is a mesh; `flexarm reduce` makes it a super-element, which is shown"
         raise InvalidFile(path, "path", what)
     if path.suffix == ".nc":
-        return _of_part(path, mesh) if _kind(path) == "part" else _of_result(path, record, times)
+        return _of_part(path, mesh) if kind_of_netcdf(path) == "part" else _of_result(path, record, times)
     arm = load_arm(path)
     with blame(path, record):
         if record is not None:
@@ -109,15 +109,6 @@ def _record(path: Path) -> Record:
     from flexarm.record import Record
 
     return Record.load(path)
-
-
-def _kind(path: Path) -> str:
-    """Return "part" for a super-element, or the kind of result that a file holds."""
-    import h5netcdf
-
-    check_hdf5(path)
-    with reading(path, "NetCDF"), h5netcdf.File(path, "r") as file:
-        return str(file.attrs.get("kind", "part"))
 
 
 def _of_part(path: Path, mesh: Path | None) -> View:
@@ -136,7 +127,7 @@ def _of_result(path: Path, record: Path | None, times: dict[str, Any]) -> View:
     from flexarm.simulation import Simulation
     from flexarm.statics import Statics
 
-    kind = _kind(path)
+    kind = kind_of_netcdf(path)
     with blame(path, record):
         if kind == "statics":
             return Statics.load(path).view(**times)

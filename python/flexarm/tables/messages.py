@@ -88,5 +88,7 @@ def _needed(field: FieldInfo | None, unit: str) -> str:
 def _meant(key: str, allowed: list[str]) -> str:
     from difflib import get_close_matches  # only on the way to an error
 
+    if key in ("sign", "inverted", "invert", "reversed") and "scale" in allowed:
+        return "; scale = -1 turns the sign over"
     close = get_close_matches(key, allowed, n=1)
     return f"; did you mean {close[0]!r}?" if close else ""
