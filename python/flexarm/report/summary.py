@@ -100,7 +100,8 @@ def _refined(diagnosis: Diagnosis) -> list[str]:
 
 
 def _nuisances(diagnosis: Diagnosis) -> list[str]:
-    lines = ["clocks and frames, fitted along within what the records state"] if diagnosis.nuisances else []
+    title = "clocks and frames, fitted along: within stated sigmas, or freely where unknown"
+    lines = [title] if diagnosis.nuisances else []
     for nuisance in diagnosis.nuisances:
         lines.append(f"  {place_words(nuisance.name, nuisance.at)}")
         lines += [f"  {_row(each)}" for each in nuisance.parameters]

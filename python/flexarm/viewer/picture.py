@@ -88,6 +88,7 @@ def _one(scene: Scene, clip: int, ax: Axes | None, names: bool = True) -> Axes:
     said = f"{shown.name.partition(':')[0]}: {shown.text.partition(';')[0]}" if several else scene.title
     axes.set_title(_wrapped("\n".join([said, *(() if several else scene.notes[:1])])), fontsize=9)
     axes.set(xlabel=f"{'xyz'[first]} [m]", ylabel=f"{'xyz'[second]} [m]")
+    axes.margins(0.15)  # room for names
     axes.set_aspect("equal", adjustable="datalim")
     axes.autoscale_view()
     return axes
@@ -140,4 +141,5 @@ def _names(axes: Axes, scene: Scene, R: Floats, x: Floats, plane: tuple[int, int
 
 def _wrapped(text: str) -> str:
     widest = 48  # line of a title, in letters
-    return "\n".join(fill(line, widest) for line in text.splitlines())
+    whole = text.replace(" %", "\u00a0%").replace(" Hz", "\u00a0Hz")  # no unit begins a line
+    return "\n".join(fill(line, widest) for line in whole.splitlines())
