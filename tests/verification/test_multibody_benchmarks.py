@@ -136,3 +136,22 @@ def test_derivatives_of_a_start_that_torques_do_not_hold_are_those_of_difference
             expected = (getattr(plus, name) - getattr(minus, name)) / 2e-3
             scale = max(np.abs(expected).max(), 1.0)
             assert found[name] == approx(expected, abs=most * scale), (dimension, name)
+
+
+def test_steps_and_controllers_let_go_as_runs_do():
+    """A pendulum without torque: steps of one's own, and a controller without gains and without back-EMF."""
+    hinge = {"name": "q", "type": "revolute", "parent": "base", "child": "bob", "axis": [0, -1, 0]}
+    silent = {"type": "state_feedback", "joint": "q", "position_gain": 0.0, "sample_time": 4e-3}
+    motor = {"joint": "q", "resistance": 1e12, "torque_constant": 1e-3}
+    bob = rigid("bob", 1.0, (1.0, 0, 0))
+    run = released(arm(joints=[hinge], links=[bob]), "q", 0.0, np.zeros_like, 0.4, 2e-3, -0.05)
+    sim = flexarm.Stepper(arm(joints=[hinge], links=[bob]), {"q": "torque"}, step=2e-3)
+    state = sim.start(joints={"q": 0.0})
+    for _ in range(200):
+        state = sim.step(state, {"q": 0.0})
+    assert sim.joint(state, "q").angle == approx(run.joint_angle[-1, 0], abs=1e-9)
+    controlled = arm(joints=[hinge], links=[bob], controllers=[silent], motors=[motor])
+    time = np.linspace(0, 0.4, 101)
+    told = flexarm.Drive.from_samples(time, {"q": np.zeros(101)}, side="command")
+    loop = flexarm.simulate(controlled, told, step=2e-3)
+    assert loop.joint_angle[-1, 0] == approx(run.joint_angle[-1, 0], abs=1e-9)

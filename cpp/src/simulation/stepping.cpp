@@ -1,6 +1,7 @@
 #include "flexarm/simulation/stepping.hpp"
 
 #include "flexarm/errors.hpp"
+#include "flexarm/simulation/consistent_start.hpp"
 #include "flexarm/simulation/prescribed_angle.hpp"
 
 namespace flexarm::simulation {
@@ -83,6 +84,10 @@ Moment Stepping::advance(const Moment& from, const std::vector<JointInput>& inpu
   stepper_.recall(from.memory);
   stepper_.set_point_loads(points);
   Moment next{from.state, {}, from.steps + 1};
+  if (from.steps == 0) {
+    const Loads loads{system_.arm().gravity, points, {}};
+    next.state = consistent_start(system_, {from.state, loads}, drives, from.state.t).state;
+  }
   stepper_.advance(next.state, step_, drives);
   for (const Path& path : driven) next.state.a[system_.scalar_offset() + path.coordinate] = path.end.a;
   next.state.t = static_cast<double>(next.steps) * step_;  // no drift from adding up
