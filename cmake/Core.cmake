@@ -7,7 +7,27 @@ list(TRANSFORM backend_sources PREPEND ${PROJECT_SOURCE_DIR}/cpp/src/)
 list(TRANSFORM backend_sources APPEND .cpp)
 list(REMOVE_ITEM core_sources ${backend_sources})
 
-add_library(flexarm_common OBJECT ${core_sources})
+# Code of arms side by side is compiled once for each kind of processor and chosen when it runs. It shares no function
+# with other code, or the linker might take one for every processor; so it takes no precompiled header either.
+set(lane_sources "")
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$" AND CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$")
+  set(avx2 -mavx2 -mfma)
+  set(avx512 -mavx512f -mavx512dq -mavx512vl -mfma -mprefer-vector-width=512)
+  foreach(processor avx2 avx512)
+    set(source ${PROJECT_SOURCE_DIR}/cpp/src/lanes/kernel_${processor}.cpp)
+    list(APPEND lane_sources ${source})
+    set_source_files_properties(
+      ${source} PROPERTIES SKIP_PRECOMPILE_HEADERS ON COMPILE_DEFINITIONS "EIGEN_DONT_VECTORIZE;EIGEN_NO_DEBUG"
+      COMPILE_OPTIONS "${${processor}};-O3;-ffp-contract=fast"
+    )
+  endforeach()
+  set_source_files_properties(
+    ${PROJECT_SOURCE_DIR}/cpp/src/lanes/kernel.cpp PROPERTIES COMPILE_DEFINITIONS FLEXARM_LANES
+  )
+endif()
+list(FILTER core_sources EXCLUDE REGEX "/lanes/kernel_[a-z0-9]+[.]cpp$")
+
+add_library(flexarm_common OBJECT ${core_sources} ${lane_sources})
 target_include_directories(
   flexarm_common PUBLIC ${PROJECT_SOURCE_DIR}/cpp/include PRIVATE ${PROJECT_BINARY_DIR}/generated
 )

@@ -31,3 +31,12 @@ add_tests(flexarm_tests flexarm_core)
 if(FLEXARM_TEST_EIGEN)
   add_tests(flexarm_tests_eigen flexarm_core_eigen eigen/)
 endif()
+
+if(lane_sources)
+  set(kernels $<FILTER:$<TARGET_OBJECTS:flexarm_common>,INCLUDE,/lanes/kernel_avx>)
+  add_test(
+    NAME lanes/own_names
+    COMMAND ${CMAKE_COMMAND} -D NM=${CMAKE_NM} -D "OBJECTS=$<JOIN:${kernels},,>" -D TAG=Avx
+            -P ${PROJECT_SOURCE_DIR}/cmake/own_names.cmake
+  )
+endif()

@@ -12,6 +12,7 @@
 #include "flexarm/simulation/modal_derivative.hpp"
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/sampled_run.hpp"
+#include "flexarm/simulation/side_by_side.hpp"
 #include "flexarm/simulation/transient.hpp"
 
 namespace py = pybind11;
@@ -19,18 +20,39 @@ using namespace flexarm::simulation;
 
 namespace {
 
-/// Runs without the interpreter's lock; takes it now and then for signals (Ctrl-C) and the caller's progress.
-Transient run(const System& system, const Equilibrium& equilibrium,
-              const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-              const py::object& progress) {
-  const Progress poll = [&](double done) {
+/// Takes the interpreter's lock now and then for signals (Ctrl-C) and the caller's progress, which must
+/// outlive it.
+Progress polled(const py::object& progress) {
+  return [&progress](double done) {
     const py::gil_scoped_acquire lock;
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     return progress.is_none() || !progress(done).is(py::bool_(false));
   };
+}
+
+/// Runs without the interpreter's lock.
+Transient run(const System& system, const Equilibrium& equilibrium,
+              const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+              const py::object& progress) {
+  const Progress poll = polled(progress);
   checks::fits(system, equilibrium);
   const py::gil_scoped_release unlock;
   return simulate(system, equilibrium, drives, options, poll);
+}
+
+/// Runs side by side; None for an arm that is to run alone.
+std::vector<std::optional<Transient>> run_side_by_side(
+    const std::vector<std::pair<std::shared_ptr<System>, Equilibrium>>& arms,
+    const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
+    const py::object& progress) {
+  const Progress poll = polled(progress);
+  std::vector<Variant> variants;
+  for (const auto& [system, equilibrium] : arms) {
+    checks::fits(*system, equilibrium);
+    variants.push_back({system.get(), &equilibrium});
+  }
+  const py::gil_scoped_release unlock;
+  return simulate_side_by_side(variants, drives, options, poll);
 }
 
 /// Two models beside the system, p up and p down, and what drives them where that depends on p.
@@ -70,11 +92,7 @@ DifferentiatedRun run_differentiated(const System& system, const Equilibrium& eq
                                      const std::vector<PiecewisePolynomial>& drives,
                                      const TransientOptions& options, const std::vector<Varied>& varied,
                                      const StateDerivative& initial, const py::object& progress) {
-  const Progress poll = [&](double done) {
-    const py::gil_scoped_acquire lock;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    return progress.is_none() || !progress(done).is(py::bool_(false));
-  };
+  const Progress poll = polled(progress);
   checks::fits(system, equilibrium);
   checks::fits(system, initial, static_cast<Eigen::Index>(varied.size()));
   const py::gil_scoped_release unlock;
@@ -235,6 +253,10 @@ void bind_transient(py::module_& m) {
       .def_readonly("cancelled", &Transient::cancelled);
   m.def("simulate", &run, "A run from equilibrium along drives.", py::arg("system"), py::arg("equilibrium"),
         py::arg("drives"), py::arg("options"), py::arg("progress") = py::none());
+  m.def("lanes", &arms_side_by_side, "Arms that this processor computes side by side; 0: none.");
+  m.def("simulate_side_by_side", &run_side_by_side,
+        "Runs of (system, equilibrium) along the same drives; None for each that is to run alone.",
+        py::arg("arms"), py::arg("drives"), py::arg("options"), py::arg("progress") = py::none());
   py::class_<StateDerivative>(m, "StateDerivative", "Derivative of a state, one column a parameter.")
       .def_readonly("position", &StateDerivative::position);
   py::class_<Varied>(m, "Varied", "Models with a parameter a little up and a little down.")

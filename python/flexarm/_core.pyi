@@ -91,6 +91,7 @@ __all__: list[str] = [
     "joint_coordinates",
     "joint_reading",
     "joint_torque",
+    "lanes",
     "log6",
     "mass_properties",
     "modes",
@@ -106,6 +107,7 @@ __all__: list[str] = [
     "section_forces",
     "simulate",
     "simulate_differentiated",
+    "simulate_side_by_side",
     "smallest_jacobians",
     "snapshots",
     "static_derivative",
@@ -1362,6 +1364,11 @@ def joint_torque(system: System, state: State, joint: typing.SupportsInt | typin
     Torque on the child about the axis.
     """
 
+def lanes() -> int:
+    """
+    Arms that this processor computes side by side; 0: none.
+    """
+
 def log6(H: Frame) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
     """
     Logarithm of SE(3).
@@ -1499,6 +1506,16 @@ def simulate_differentiated(
 ) -> DifferentiatedRun:
     """
     A run with derivatives.
+    """
+
+def simulate_side_by_side(
+    arms: collections.abc.Sequence[tuple[System, Equilibrium]],
+    drives: collections.abc.Sequence[PiecewisePolynomial],
+    options: TransientOptions,
+    progress: typing.Any = None,
+) -> list[Transient | None]:
+    """
+    Runs of (system, equilibrium) along the same drives; None for each that is to run alone.
     """
 
 def smallest_jacobians(

@@ -18,32 +18,27 @@ JointConstraintIn<D>::JointConstraintIn(JointType type, int node_a, const FrameD
       node_a_(node_a),
       node_b_(node_b),
       coordinate_(coordinate),
-      X_b_(X_b),
-      X_a_inverse_(X_a.inverse()),
-      X_b_inverse_(X_b.inverse()),
-      Ad_a_(adjoint<D>(X_a.inverse())),
-      Ad_b_(adjoint<D>(X_b.inverse())),
-      twist_(twist) {}
+      at_{X_b, X_a.inverse(), X_b.inverse(), twist, adjoint<D>(X_a.inverse()), adjoint<D>(X_b.inverse())} {}
 
 template <int D>
 Twist<D> JointConstraintIn<D>::violation(const FrameD& H_a, const FrameD& H_b, double theta) const {
-  const FrameD apart = X_a_inverse_ * relative<D>(H_a, H_b) * X_b_;
+  const FrameD apart = at_.X_a_inverse * relative<D>(H_a, H_b) * at_.X_b;
   if (type_ == JointType::spherical) {
     TwistD phi = TwistD::Zero();
     phi.template head<D>() = apart.R.transpose() * apart.x;  // eq. (3)
     return phi;
   }
-  return logarithm<D>(coordinate_ < 0 ? apart : back(theta) * apart);  // eq. (1)
+  return logarithm<D>(coordinate_ < 0 ? apart : at_.back(theta) * apart);  // eq. (1)
 }
 
 template <int D>
 typename JointConstraintIn<D>::Jacobian JointConstraintIn<D>::jacobian(const FrameD& H_a, const FrameD& H_b,
                                                                        double theta) const {
   if (type_ == JointType::spherical) {
-    const Rotation<D> R = (X_a_inverse_ * relative<D>(H_a, H_b) * X_b_).R;
-    return {-adjoint<D>(FrameD::rotation(R.transpose())) * Ad_a_, Ad_b_, twist_};
+    const Rotation<D> R = (at_.X_a_inverse * relative<D>(H_a, H_b) * at_.X_b).R;
+    return {-adjoint<D>(FrameD::rotation(R.transpose())) * at_.Ad_a, at_.Ad_b, at_.twist};
   }
-  return {-adjoint<D>(back(theta)) * Ad_a_, Ad_b_, -twist_};  // eq. (2)
+  return {-adjoint<D>(at_.back(theta)) * at_.Ad_a, at_.Ad_b, -at_.twist};  // eq. (2)
 }
 
 template <int D>
@@ -51,13 +46,13 @@ typename JointConstraintIn<D>::Forces JointConstraintIn<D>::forces(const FrameD&
                                                                    double theta,
                                                                    const TwistD& multipliers) const {
   Forces f;
-  f.b = Ad_b_.transpose() * multipliers;
+  f.b = at_.Ad_b.transpose() * multipliers;
   if (type_ == JointType::spherical) {
     f.a = jacobian(H_a, H_b, theta).a.transpose() * multipliers;
   } else if (coordinate_ < 0) {
-    f.a = -Ad_a_.transpose() * multipliers;
+    f.a = -at_.Ad_a.transpose() * multipliers;
   } else {
-    f.a = -Ad_a_.transpose() * (adjoint<D>(back(theta)).transpose() * multipliers);
+    f.a = -at_.Ad_a.transpose() * (adjoint<D>(at_.back(theta)).transpose() * multipliers);
   }
   return f;
 }
@@ -73,12 +68,7 @@ Twist<D> JointConstraintIn<D>::acceleration(const FrameD& H_a, const FrameD& H_b
     c.template head<D>() += turn_cross<D>(turn, u.template head<D>());
     return c;
   }
-  TwistD c = Ad_b_ * v_dot.b - twist_ * v_dot.theta;
-  if (node_a_ == ground) return c;
-  const FrameD turned = coordinate_ < 0 ? FrameD{} : back(theta);
-  const TwistD on_a = Ad_a_ * v.a, on_a_dot = Ad_a_ * v_dot.a;
-  const TwistD u = adjoint_product<D>(turned, on_a);
-  return c - adjoint_product<D>(turned, on_a_dot) + v.theta * ad_product<D>(twist_, u);
+  return at_.acceleration(node_a_ == ground, coordinate_ >= 0, theta, v, v_dot);
 }
 
 template <int D>
@@ -87,18 +77,19 @@ typename JointConstraintIn<D>::GeometricStiffness JointConstraintIn<D>::geometri
   GeometricStiffness K;
   if (type_ == JointType::spherical) {
     // Φ_aᵀ λ = −Ad_aᵀ (R λ, 0); a relative turn δ of B against A, in B's axes, gives d(R λ) = −R λ~ δ.
-    const Rotation<D> R = (X_a_inverse_ * relative<D>(H_a, H_b) * X_b_).R;
+    const Rotation<D> R = (at_.X_a_inverse * relative<D>(H_a, H_b) * at_.X_b).R;
     Eigen::Matrix<double, n, turns<D>> by_turn = Eigen::Matrix<double, n, turns<D>>::Zero();
     by_turn.template topRows<D>() = R * lever_matrix<D>(multipliers.template head<D>());
-    by_turn = (Ad_a_.transpose() * by_turn).eval();
-    K.a_b = by_turn * Ad_b_.template bottomRows<turns<D>>();
+    by_turn = (at_.Ad_a.transpose() * by_turn).eval();
+    K.a_b = by_turn * at_.Ad_b.template bottomRows<turns<D>>();
     Rotation<3> back_turn = Rotation<3>::Identity();  // of rotations: R in space, 1 in the plane
     if constexpr (D == 3) back_turn = R.transpose();
-    K.a_a = -by_turn * back_turn.topLeftCorner<turns<D>, turns<D>>() * Ad_a_.template bottomRows<turns<D>>();
+    K.a_a =
+        -by_turn * back_turn.topLeftCorner<turns<D>, turns<D>>() * at_.Ad_a.template bottomRows<turns<D>>();
     return K;
   }
-  K.a_theta =
-      Ad_a_.transpose() * (adjoint<D>(back(theta)).transpose() * ad_transpose<D>(twist_, multipliers));
+  K.a_theta = at_.Ad_a.transpose() *
+              (adjoint<D>(at_.back(theta)).transpose() * ad_transpose<D>(at_.twist, multipliers));
   return K;
 }
 

@@ -1,8 +1,7 @@
 #include "flexarm/simulation/consistent_forces.hpp"
 
-#include <algorithm>
-
 #include "flexarm/errors.hpp"
+#include "flexarm/solvers/step_matrix.hpp"
 
 namespace flexarm::simulation {
 namespace {
@@ -31,7 +30,7 @@ const Eigen::SparseMatrix<double>& masses_and_constraints(const assembly::System
 template <int D>
 ConsistentForcesIn<D>::ConsistentForcesIn(const assembly::SystemIn<D>& system)
     : system_(system),
-      scale_(std::max(system.mass(), 1e-12) / std::max(1, system.n_nodes())),
+      scale_(solvers::constraint_scale(system)),
       matrix_(system),
       none_(system, false),
       changes_(system, none_, false),

@@ -1,22 +1,14 @@
 #include "flexarm/solvers/hht.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "flexarm/errors.hpp"
 #include "flexarm/solvers/increment.hpp"
+#include "flexarm/solvers/step_iteration.hpp"
+#include "flexarm/solvers/step_matrix.hpp"
 
 namespace flexarm::solvers {
-namespace {
-
-// A contraction measured this many steps ago is measured again before it is trusted.
-constexpr long trusted_steps = 16;
-// Increments below this are rounding: they neither shrink nor matter.
-constexpr double rounding_floor = 1e-14;
-
-}  // namespace
-
 HhtCoefficients HhtCoefficients::from_alpha(double alpha) {
   if (!(alpha >= -1.0 / 3 - 1e-12 && alpha <= 0)) {
     throw InvalidParameter("alpha of the HHT method must lie in [-1/3, 0], got " + std::to_string(alpha));
@@ -48,7 +40,7 @@ HhtStepperIn<D>::HhtStepperIn(const SystemIn<D>& system, const HhtCoefficients& 
       loads_(loads),
       options_(options),
       matrix_(system),
-      mass_scale_(std::max(system.mass(), 1e-12) / std::max(1, system.n_nodes())),
+      mass_scale_(constraint_scale(system)),
       exponent_(VectorXd::Zero(system.n_free())),
       r_(system.n_velocities()),
       phi_(system.n_constraints()),
@@ -220,42 +212,28 @@ template <int D>
 
 template <int D>
 bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
-  const double beta_h2 = coefficients_.beta * h * h;
-  const double tolerance = coefficients_.spectral_radius() < 1  // else what is left over adds up for ever
-                               ? std::min(options_.tolerance, options_.acceleration_tolerance * beta_h2)
-                               : rounding_floor;
-  const bool cautious = memory_.steps % trusted_steps == 0;
-  bool fresh = false;
-  double previous = 0;
-  for (int k = 0; k < options_.max_iterations; ++k) {
+  using Verdict = StepIteration::Verdict;
+  StepIteration iteration(coefficients_, options_, h, memory_.steps, memory_.contraction);
+  for (;;) {
     system_.evaluate(state, loads_, r_, phi_, welds_.joints());
-    solve(state, h, k > 0 && !fresh);  // eq. (5)
+    solve(state, h, iteration.again());  // eq. (5)
     ++statistics_.iterations;
-    iteration_ = k + 1;
+    iteration_ = iteration.increments() + 1;
     if (!std::isfinite(dx_.sum())) return false;  // as is the sum of what is not
     const double size = increment_norm(system_, dx_);
-
     correct(state, h);
-
-    const double rate = previous > 0 ? size / previous : memory_.contraction;
-    const double error = rate < 1 ? rate / (1 - rate) * size : size;
-    if (error < tolerance && (k > 0 || !cautious)) {
-      if (previous > rounding_floor) memory_.contraction = std::clamp(rate, 1e-4, 0.9);
-      return true;
+    switch (iteration.judge(size)) {
+      case Verdict::converged:
+        return true;
+      case Verdict::failed:
+        return false;
+      case Verdict::factor:
+        if (!factor(state, h)) return false;
+        break;
+      case Verdict::go_on:
+        break;
     }
-    if (size < rounding_floor || (k > 1 && rate > 0.5 && size < options_.tolerance))
-      return true;  // nothing to gain
-    if (k > 0 && rate > options_.slow_contraction && !fresh) {
-      if (!factor(state, h)) return false;
-      fresh = true;
-      previous = 0;
-      memory_.contraction = 0.5;
-      continue;
-    }
-    if (rate > 2) return false;
-    previous = size;
   }
-  return false;
 }
 
 template <int D>
@@ -283,9 +261,7 @@ void HhtStepperIn<D>::recall(const HhtMemoryIn<D>& memory) {
 
 template <int D>
 bool HhtStepperIn<D>::factor(const StateIn<D>& state, double h) {
-  const auto [alpha, beta, gamma] = coefficients_;
-  const double per_h2 = 1 / (beta * h * h);
-  const assembly::TangentFactors c{per_h2 / (1 + alpha), gamma / (beta * h), 1, mass_scale_ * per_h2};
+  const assembly::TangentFactors c = step_factors(coefficients_, h, mass_scale_);
   const VectorXd law_tangents = system_.law_tangents(state, c, true);
   ++statistics_.factorisations;
   if (options_.reproducible) {  // neither the pattern nor the pivots of earlier numbers

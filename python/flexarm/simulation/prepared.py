@@ -10,6 +10,7 @@ from flexarm.arm import Arm
 from flexarm.drive import Drive
 from flexarm.drive.lag import as_followed
 from flexarm.errors import InvalidParameter
+from flexarm.record import Record
 from flexarm.record.step_limit import check_step_count
 
 
@@ -69,6 +70,22 @@ def prepared(
     check_step_count(options.start, options.end, options.step)
     options.record_forces, options.record_rotations = forces, rotations
     return PreparedRun(arm, told, drive, options)
+
+
+def prepared_along(
+    arm: Arm,
+    drive: Drive | Record,
+    step: float,
+    alpha: float,
+    end: float | None,
+    forces: bool,
+    rotations: bool,
+) -> PreparedRun:
+    """Return the run along a drive, or along that of a record with the payloads carried there."""
+    if isinstance(drive, Record):
+        carried = drive.applied_to(arm)
+        return prepared(carried, Drive.from_record(drive, carried), step, alpha, end, forces, rotations)
+    return prepared(arm, drive, step, alpha, end, forces, rotations)
 
 
 def coordinates(name: str) -> _core.Dimension:

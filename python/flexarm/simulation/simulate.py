@@ -8,12 +8,11 @@ from flexarm import _core
 from flexarm.arguments import ARM, DRIVE, FLAG, NAMES, NUMBER, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
-from flexarm.assembly import loops_of
 from flexarm.drive import Drive
 from flexarm.drive.lag import as_followed, lagging
 from flexarm.record import Record
 from flexarm.sensitivity import Redrive
-from flexarm.simulation.prepared import coordinates, motions, prepared
+from flexarm.simulation.prepared import coordinates, motions, prepared_along
 from flexarm.simulation.progress import Progress, reported
 from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import differentiated, solved
@@ -97,13 +96,11 @@ def simulate(
     >>> drive = flexarm.Drive.from_samples([0, 1, 2, 3], {"hinge": [0, 0.2, 0.4, 0.4]})  # doctest: +SKIP
     >>> run = flexarm.simulate(arm, drive)  # doctest: +SKIP
     """
+    run = prepared_along(arm, drive, step, alpha, end, forces, rotations)
+    record, places = None, set()
     if isinstance(drive, Record):
-        record, carried = drive, drive.applied_to(arm)
-        run = prepared(carried, Drive.from_record(record, carried), step, alpha, end, forces, rotations)
+        record = drive
         places = {*record.drive, *(record.signals[name].clock for name in record.drive)}
-    else:
-        record = None
-        run, places = prepared(arm, drive, step, alpha, end, forces, rotations), set()
     told = run.told
 
     def redriven(other: Arm) -> list[_core.PiecewisePolynomial]:
@@ -131,9 +128,4 @@ def simulate(
             progress=progress,
         )
     with reported(progress, run.arm.name) as report:
-        found = differentiated(run, wanted, redrive, report) if wanted else solved(run, report)
-    found.solver["drive_sha256"] = run.drive.sha256()
-    if run.arm.closures:
-        found.solver["redundant_conditions"] = loops_of(run.arm).redundant
-        found.solver["driven"] = " ".join(run.drive.joints)
-    return found
+        return differentiated(run, wanted, redrive, report) if wanted else solved(run, report)

@@ -1,21 +1,25 @@
 """Many runs at once: records, candidates, drives, side by side on the machine's cores.
 
-The core computes without the interpreter's lock, so threads are enough: nothing is copied or pickled.
+The core computes without the interpreter's lock, so threads are enough: nothing is copied or pickled. Each
+thread takes several arms along one drive at a time, see `flexarm.simulation.side_by_side`.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Future
 from threading import Event
 from typing import Any
 
+from flexarm import _core
 from flexarm.arguments import ITEMS, JOBS, takes
 from flexarm.arm import Arm
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.simulation.progress import Progress, reported
+from flexarm.simulation.side_by_side import Pair, side_by_side
 from flexarm.simulation.simulate import simulate
 from flexarm.simulation.simulation import Simulation
 from flexarm.threads import thread_pool
@@ -31,6 +35,9 @@ def simulate_all(
     **options: Any,
 ) -> list[Simulation]:
     """Simulate several runs on several cores.
+
+    Arms of one structure along one drive are computed several at a time in a core's vector registers where
+    they fit: such a run differs from that of `simulate` by rounding.
 
     Parameters
     ----------
@@ -63,10 +70,15 @@ def simulate_all(
     ends = stop or (lambda: False)
     options["progress"] = lambda done: not (stopped.is_set() or ends())
     with reported(progress, f"{len(wanted)} runs") as report, thread_pool(threads) as pool:
-        waiting = [pool.submit(simulate, arm, drive, **options) for arm, drive in wanted]
+        waiting: list[Future[list[Simulation]]] = []
+        places = [(0, 0)] * len(wanted)
+        for chosen in _chosen(wanted, threads):
+            for place, k in enumerate(chosen):
+                places[k] = len(waiting), place
+            waiting.append(pool.submit(_simulated, [wanted[k] for k in chosen], options))
         try:
-            for each in waiting:
-                run = each.result()
+            for future, place in places:
+                run = waiting[future].result()[place]
                 if ends():
                     break
                 found.append(run)
@@ -79,6 +91,26 @@ def simulate_all(
             for each in waiting:
                 each.cancel()
     return found
+
+
+def _chosen(wanted: Sequence[Pair], threads: int) -> list[list[int]]:
+    """Return the places of runs that a thread takes together: of one drive, as many as vectors hold."""
+    along: dict[int, list[int]] = {}
+    for k, (_, drive) in enumerate(wanted):
+        along.setdefault(id(drive), []).append(k)
+    chosen = []
+    for places in along.values():
+        size = max(1, min(_core.lanes(), -(-len(places) // threads)))
+        chosen += [places[first : first + size] for first in range(0, len(places), size)]
+    return chosen
+
+
+def _simulated(pairs: Sequence[Pair], options: dict[str, Any]) -> list[Simulation]:
+    """Return runs of which those that fit are computed together."""
+    together = side_by_side(pairs, **options) if len(pairs) > 1 else [None]
+    return [
+        simulate(*pair, **options) if run is None else run for run, pair in zip(together, pairs, strict=True)
+    ]
 
 
 def _pair(run: Any, k: int) -> tuple[Arm, Drive | Record]:

@@ -7,7 +7,7 @@ start.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter
 from flexarm.arrays import Floats, read_only
-from flexarm.assembly import assemble, joint_values
+from flexarm.assembly import assemble, joint_values, loops_of
 from flexarm.drive import Drive
 from flexarm.drive.lag import as_followed, lagging
 from flexarm.errors import InvalidParameter
@@ -47,20 +47,44 @@ _DERIVED = (
 """Arrays of a run that have derivatives."""
 
 
+@dataclass(frozen=True)
+class StartedRun:
+    """A run at its start."""
+
+    run: PreparedRun
+    system: _core.System
+    equilibrium: _core.Equilibrium
+    motions: list[_core.PiecewisePolynomial]
+
+    @classmethod
+    def of(cls, run: PreparedRun) -> StartedRun:
+        """Return a run at its start, in equilibrium."""
+        system, along = _free(run, run.arm), run.motions
+        held = _held(run, system)
+        equilibrium = _start(run, held, along)
+        if held is not system:
+            equilibrium = _core.released(held, equilibrium, system)
+        return cls(run, system, equilibrium, along)
+
+    def result(self, found: _core.Transient) -> Simulation:
+        """Return the run from what the core found."""
+        run = self.run
+        energies = energies_of(found, self.system, self.equilibrium, self.motions, run.options, run.led)
+        return _with_drive(run, simulation_of(run.arm, found, run.options, energies, run.led))
+
+
 def solved(run: PreparedRun, report: Report) -> Simulation:
     """Return the run alone."""
-    system, along = _free(run, run.arm), run.motions
-    held = _held(run, system)
-    equilibrium = _start(run, held, along)
-    if held is not system:
-        equilibrium = _core.released(held, equilibrium, system)
-    found = _core.simulate(system, equilibrium, along, run.options, report)
-    energies = energies_of(found, system, equilibrium, along, run.options, run.led)
-    return _with_commands(run, simulation_of(run.arm, found, run.options, energies, run.led))
+    start = StartedRun.of(run)
+    return start.result(_core.simulate(start.system, start.equilibrium, start.motions, run.options, report))
 
 
-def _with_commands(run: PreparedRun, found: Simulation) -> Simulation:
-    """Return a run with what joints were told that follow late."""
+def _with_drive(run: PreparedRun, found: Simulation) -> Simulation:
+    """Return a run with the hash of its drive, and what joints were told that follow late."""
+    found.solver["drive_sha256"] = run.drive.sha256()
+    if run.arm.closures:
+        found.solver["redundant_conditions"] = loops_of(run.arm).redundant
+        found.solver["driven"] = " ".join(run.drive.joints)
     late = lagging(run.told, run.arm)
     if not late:
         return found
@@ -126,7 +150,7 @@ def _with_slopes(
     run.options.tolerance = DIFFERENTIATED
     both = _core.simulate_differentiated(system, equilibrium, run.motions, run.options, free, initial, report)
     energies = energies_of(both.run, system, equilibrium, run.motions, run.options, run.led)
-    found = _with_commands(run, simulation_of(run.arm, both.run, run.options, energies, run.led))
+    found = _with_drive(run, simulation_of(run.arm, both.run, run.options, energies, run.led))
     return found, derived(found, both.derivatives, len(free), run.led)
 
 

@@ -33,7 +33,13 @@ class RigidBodyIn {
   const TwistMatrix<D>& mass() const { return M_; }
 
   Twist<D> inertia_forces(const Twist<D>& v, const Twist<D>& v_dot) const {
-    return M_ * v_dot - geometry::ad_transpose<D>(v, M_ * v);  // eq. (1)
+    return inertia_forces<double>(M_, v, v_dot);
+  }
+  /// The same of any kind of numbers. Equation (1).
+  template <class Real>
+  static Twist<D, Real> inertia_forces(const TwistMatrix<D, Real>& M, const Twist<D, Real>& v,
+                                       const Twist<D, Real>& v_dot) {
+    return M * v_dot - geometry::ad_transpose<D, Real>(v, M * v);
   }
 
   /// ∂(inertia forces)/∂v.

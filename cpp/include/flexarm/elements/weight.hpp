@@ -12,21 +12,21 @@
 
 namespace flexarm::elements {
 
-template <int D>
+template <int D, class Real = double>
 struct WeightIn {
-  using Point = geometry::Point<D>;
-  using Rotation = geometry::Rotation<D>;
+  using Point = geometry::Point<D, Real>;
+  using Rotation = geometry::Rotation<D, Real>;
 
-  double mass = 0;               ///< m [kg]
+  Real mass = 0;                 ///< m [kg]
   Point moment = Point::Zero();  ///< s [kg m]
 
   bool operator==(const WeightIn&) const = default;
 
-  geometry::Twist<D> force(const Rotation& R, const Point& gravity) const {
+  geometry::Twist<D, Real> force(const Rotation& R, const Point& gravity) const {
     const Point gamma = R.transpose() * gravity;
-    geometry::Twist<D> f;
+    geometry::Twist<D, Real> f;
     f.template head<D>() = mass * gamma;
-    f.template tail<geometry::turns<D>>() = geometry::moment_of<D>(moment, gamma);
+    f.template tail<geometry::turns<D>>() = geometry::moment_of<D, Real>(moment, gamma);
     return f;
   }
 

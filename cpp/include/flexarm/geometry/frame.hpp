@@ -17,6 +17,7 @@
 
 #include <cmath>
 
+#include "flexarm/geometry/pack.hpp"
 #include "flexarm/geometry/twist.hpp"
 #include "flexarm/geometry/two.hpp"
 
@@ -71,23 +72,23 @@ TwistMatrix<D> adjoint(const FrameIn<D>& H) {
 }
 
 /// Equation (4), without the matrix.
-template <int D>
-Twist<D> adjoint_product(const FrameIn<D>& H, const Twist<D>& u) {
-  Turn<D> turn = u.template tail<turns<D>>();
+template <int D, class Real = double>
+Twist<D, Real> adjoint_product(const FrameIn<D, Real>& H, const As<Twist<D, Real>>& u) {
+  Turn<D, Real> turn = u.template tail<turns<D>>();
   if constexpr (D == 3) turn = H.R * turn;
-  Twist<D> out;
-  out.template head<D>() = H.R * u.template head<D>() - turn_cross<D>(turn, H.x);
+  Twist<D, Real> out;
+  out.template head<D>() = H.R * u.template head<D>() - turn_cross<D, Real>(turn, H.x);
   out.template tail<turns<D>>() = turn;
   return out;
 }
 
 /// Equation (5), without the matrix.
-template <int D>
-Twist<D> adjoint_transpose_product(const FrameIn<D>& H, const Twist<D>& f) {
-  const Point<D> force = f.template head<D>();
-  Turn<D> moment = f.template tail<turns<D>>() - moment_of<D>(H.x, force);
+template <int D, class Real = double>
+Twist<D, Real> adjoint_transpose_product(const FrameIn<D, Real>& H, const As<Twist<D, Real>>& f) {
+  const Point<D, Real> force = f.template head<D>();
+  Turn<D, Real> moment = f.template tail<turns<D>>() - moment_of<D, Real>(H.x, force);
   if constexpr (D == 3) moment = H.R.transpose() * moment;
-  Twist<D> out;
+  Twist<D, Real> out;
   out.template head<D>() = H.R.transpose() * force;
   out.template tail<turns<D>>() = moment;
   return out;
@@ -131,6 +132,21 @@ inline Exponential<Two> exponential(Two x) {
   return {{first.a, second.a}, {first.b, second.b}, {first.c, second.c}};
 }
 
+/// Lanes of many arms take the longer series of those below: what one gets must not depend on the others.
+template <int N, class Processor>
+Exponential<Pack<N, Processor>> exponential(const Pack<N, Processor>& x) {
+  Exponential<Pack<N, Processor>> all = exponential_of_tiny(x);
+  if (x.all_below(tiny)) return all;
+  for (int k = 0; k < N; ++k) {
+    if (x[k] < tiny) continue;
+    const Exponential<> one = exponential_beyond(x[k]);
+    all.a.set(k, one.a);
+    all.b.set(k, one.b);
+    all.c.set(k, one.c);
+  }
+  return all;
+}
+
 /// A₁ of (2).
 double inverse_v_beyond(double phi_squared);
 
@@ -148,8 +164,22 @@ inline Two inverse_v(Two x) {
   return x.both_below(tiny) ? inverse_v_of_tiny(x) : Two(inverse_v(x[0]), inverse_v(x[1]));
 }
 
+template <int N, class Processor>
+Pack<N, Processor> inverse_v(const Pack<N, Processor>& x) {
+  Pack<N, Processor> all = inverse_v_of_tiny(x);
+  if (x.all_below(tiny)) return all;
+  for (int k = 0; k < N; ++k) {
+    if (!(x[k] < tiny)) all.set(k, inverse_v_beyond(x[k]));
+  }
+  return all;
+}
+
 inline bool below(double x, double limit) { return x < limit; }
 inline bool below(Two x, double limit) { return x.both_below(limit); }
+template <int N, class Processor>
+bool below(const Pack<N, Processor>&, double) {
+  return false;
+}
 
 /// Rotation vector from the axial vector s = sin φ n of a rotation by less than 0.1: φ/sin φ as a function of
 /// s².
@@ -197,6 +227,18 @@ inline Two log1(const Rotation<2, Two>& R) {
   const Two s = R(1, 0), s_squared = s * s;
   if (s_squared.both_below(0.01) && R(0, 0).both_above(0)) return series::arcsine_ratio(s_squared) * s;
   return {log1(lane(R, 0)), log1(lane(R, 1))};
+}
+
+template <int N, class Processor>
+Pack<N, Processor> log1(const Rotation<2, Pack<N, Processor>>& R) {
+  using Real = Pack<N, Processor>;
+  const Real s = R(1, 0), s_squared = s * s;
+  Real all = series::arcsine_ratio(s_squared) * s;
+  if (s_squared.all_below(0.01) && (-R(0, 0)).all_below(0)) return all;
+  for (int k = 0; k < N; ++k) {
+    if (!(s_squared[k] < 0.01 && R(0, 0)[k] > 0)) all.set(k, std::atan2(s[k], R(0, 0)[k]));
+  }
+  return all;
 }
 
 /// Equation (1). Exact for every argument.

@@ -33,8 +33,8 @@ template <int D, class Real = double>
 using Rotation = Eigen::Matrix<Real, D, D>;
 template <int D, class Real = double>
 using Twist = Eigen::Matrix<Real, freedoms<D>, 1>;
-template <int D>
-using TwistMatrix = Eigen::Matrix<double, freedoms<D>, freedoms<D>>;
+template <int D, class Real = double>
+using TwistMatrix = Eigen::Matrix<Real, freedoms<D>, freedoms<D>>;
 
 using Eigen::Matrix2d;
 using Eigen::Matrix3d;
@@ -65,8 +65,8 @@ Eigen::Block<const Twist<D>, turns<D>, 1> rotation(const Twist<D>& h) {
 }
 
 /// ω × p of a rotation and an arrow: the velocity of a point.
-template <int D>
-Point<D> turn_cross(const Turn<D>& omega, const Point<D>& p) {
+template <int D, class Real = double>
+Point<D, Real> turn_cross(const As<Turn<D, Real>>& omega, const As<Point<D, Real>>& p) {
   if constexpr (D == 2) {
     return {-omega[0] * p[1], omega[0] * p[0]};
   } else {
@@ -75,10 +75,10 @@ Point<D> turn_cross(const Turn<D>& omega, const Point<D>& p) {
 }
 
 /// r × f of two arrows: the moment of a force.
-template <int D>
-Turn<D> moment_of(const Point<D>& r, const Point<D>& f) {
+template <int D, class Real = double>
+Turn<D, Real> moment_of(const As<Point<D, Real>>& r, const As<Point<D, Real>>& f) {
   if constexpr (D == 2) {
-    return Turn<2>(r[0] * f[1] - r[1] * f[0]);
+    return Turn<2, Real>(r[0] * f[1] - r[1] * f[0]);
   } else {
     return r.cross(f);
   }

@@ -38,6 +38,59 @@ enum class JointType { revolute, prismatic, fixed, spherical };
 /// Twist ξ of a joint about or along the unit `axis`; zero without a coordinate.
 Vector6d motion_twist(JointType type, const Vector3d& axis);
 
+/// Where a joint of equations (1), (2) sits and how it moves, in any kind of numbers.
+template <int D, class Real = double>
+struct JointFrames {
+  using FrameD = FrameIn<D, Real>;
+  using TwistD = Twist<D, Real>;
+
+  FrameD X_b, X_a_inverse, X_b_inverse;
+  TwistD twist;                     ///< ξ
+  TwistMatrix<D, Real> Ad_a, Ad_b;  ///< of X_a⁻¹ and X_b⁻¹
+
+  bool operator==(const JointFrames&) const = default;
+
+  /// exp(−ξ θ).
+  FrameD back(const Real& theta) const { return geometry::exponential<D, Real>(-theta * twist); }
+
+  /// Φ_aᵀ λ, Φ_bᵀ λ and Φ. @param moves whether there is a θ
+  struct Response {
+    TwistD a, b, violation;
+  };
+  [[gnu::always_inline]] Response respond(const FrameD& H_a, const FrameD& H_b, bool moves, const Real& theta,
+                                          const TwistD& multipliers) const {
+    FrameD apart = X_a_inverse * geometry::relative<D>(H_a, H_b) * X_b;
+    TwistD on_parent = multipliers;
+    if (moves) {
+      const FrameD turned = back(theta);
+      apart = turned * apart;
+      on_parent = geometry::adjoint_transpose_product<D>(turned, multipliers);
+    }
+    return {-geometry::adjoint_transpose_product<D>(X_a_inverse, on_parent),
+            geometry::adjoint_transpose_product<D>(X_b_inverse, multipliers),
+            geometry::logarithm<D>(apart)};  // eq. (1), (2)
+  }
+
+  /// Velocities of both nodes and of θ, or accelerations.
+  struct Rates {
+    TwistD a, b;
+    Real theta;
+  };
+  /// Φ'' where Φ = Φ' = 0. With u = −Φ_a v_a
+  ///
+  ///     Φ'' = Φ_a v_a' + Φ_b v_b' + Φ_θ θ'' + θ' ad(ξ) u
+  TwistD acceleration(bool on_ground, bool moves, const Real& theta, const Rates& v,
+                      const Rates& v_dot) const {
+    const TwistD c = Ad_b * v_dot.b - twist * v_dot.theta;
+    if (on_ground) return c;
+    const FrameD turned = moves ? back(theta) : FrameD{};
+    const TwistD on_a = Ad_a * v.a, on_a_dot = Ad_a * v_dot.a;
+    const TwistD u = geometry::adjoint_product<D>(turned, on_a);
+    return c - geometry::adjoint_product<D>(turned, on_a_dot) +
+           v.theta * geometry::ad_product<D, Real>(twist, u);
+  }
+};
+
 template <int D>
 class JointConstraintIn {
  public:
@@ -60,9 +113,10 @@ class JointConstraintIn {
   int node_b() const { return node_b_; }
   int coordinate() const { return coordinate_; }
   int rows() const { return type_ == JointType::spherical ? D : n; }
-  const TwistD& twist() const { return twist_; }
-  FrameD frame_a() const { return X_a_inverse_.inverse(); }  ///< X_a
-  const FrameD& frame_b() const { return X_b_; }             ///< X_b
+  const JointFrames<D>& frames() const { return at_; }
+  const TwistD& twist() const { return at_.twist; }
+  FrameD frame_a() const { return at_.X_a_inverse.inverse(); }  ///< X_a
+  const FrameD& frame_b() const { return at_.X_b; }             ///< X_b
 
   /// Φ in its first rows() entries. Equations (1), (3).
   TwistD violation(const FrameD& H_a, const FrameD& H_b, double theta) const;
@@ -87,16 +141,9 @@ class JointConstraintIn {
   };
   Response respond(const FrameD& H_a, const FrameD& H_b, double theta, const TwistD& multipliers) const;
 
-  /// Velocities of both nodes and of θ, or accelerations.
-  struct Rates {
-    TwistD a, b;
-    double theta;
-  };
-  /// Φ'' where Φ = Φ' = 0, from velocities and accelerations: rows() entries count. With u = −Φ_a v_a
-  ///
-  ///     Φ'' = Φ_a v_a' + Φ_b v_b' + Φ_θ θ'' + θ' ad(ξ) u
-  ///
-  /// and for a spherical joint the turn of B against A times u instead.
+  using Rates = typename JointFrames<D>::Rates;
+  /// Φ'' where Φ = Φ' = 0, from velocities and accelerations: rows() entries count. Of a spherical joint the
+  /// turn of B against A times u stands in place of θ' ad(ξ) u.
   TwistD acceleration(const FrameD& H_a, const FrameD& H_b, double theta, const Rates& v,
                       const Rates& v_dot) const;
 
@@ -112,14 +159,9 @@ class JointConstraintIn {
   bool operator==(const JointConstraintIn&) const = default;
 
  private:
-  /// exp(−ξ θ).
-  FrameD back(double theta) const { return geometry::exponential<D>(-theta * twist_); }
-
   JointType type_;
   int node_a_, node_b_, coordinate_;
-  FrameD X_b_, X_a_inverse_, X_b_inverse_;
-  TwistMatrix<D> Ad_a_, Ad_b_;  // of X_a⁻¹ and X_b⁻¹
-  TwistD twist_;
+  JointFrames<D> at_;
 };
 
 using JointConstraint = JointConstraintIn<3>;
@@ -131,16 +173,8 @@ typename JointConstraintIn<D>::Response JointConstraintIn<D>::respond(const Fram
   if (type_ == JointType::spherical) {
     return {forces(H_a, H_b, theta, multipliers), violation(H_a, H_b, theta)};
   }
-  FrameD apart = X_a_inverse_ * geometry::relative<D>(H_a, H_b) * X_b_;
-  TwistD on_parent = multipliers;
-  if (coordinate_ >= 0) {
-    const FrameD turned = back(theta);
-    apart = turned * apart;
-    on_parent = geometry::adjoint_transpose_product<D>(turned, multipliers);
-  }
-  return {{-geometry::adjoint_transpose_product<D>(X_a_inverse_, on_parent),
-           geometry::adjoint_transpose_product<D>(X_b_inverse_, multipliers)},
-          geometry::logarithm<D>(apart)};  // eq. (1), (2)
+  const auto [a, b, violated] = at_.respond(H_a, H_b, coordinate_ >= 0, theta, multipliers);
+  return {{a, b}, violated};
 }
 
 }  // namespace flexarm::joints

@@ -39,7 +39,6 @@ class DissectedInverse {
   /// x := A⁻¹ x
   void solve(Eigen::VectorXd& x);
 
- private:
   using MatrixXd = Eigen::MatrixXd;
   using VectorXd = Eigen::VectorXd;
 
@@ -52,6 +51,12 @@ class DissectedInverse {
     VectorXd beyond, from_it;    // x_s on the boundary, and its product with `from_boundary`
   };
 
+  const std::vector<Part>& parts() const { return parts_; }
+  const PackedMatrix& separator() const { return separator_; }  ///< S⁻¹
+  const std::vector<int>& order() const { return order_; }      ///< parts one after the other, then s
+  bool eliminates_first() const { return !leaves_.empty(); }    ///< whether some go by (4)
+
+ private:
   /// An unknown of (4), with its row and column over its pivot.
   struct Leaf {
     struct Entry {
@@ -72,12 +77,12 @@ class DissectedInverse {
   void eliminate(Part& part, const MatrixXd& A, MatrixXd& schur) const;
 
   std::vector<Leaf> leaves_;
-  std::vector<int> rest_;   // all unknowns but the leaves; empty without leaves
-  std::vector<int> order_;  // parts one after the other, then the separator
+  std::vector<int> rest_;  // all unknowns but the leaves; empty without leaves
+  std::vector<int> order_;
   std::vector<Part> parts_;
   Eigen::Index n_separated_ = 0;
-  PackedMatrix separator_;  // S⁻¹
-  VectorXd b_, x_s_;        // scratch
+  PackedMatrix separator_;
+  VectorXd b_, x_s_;  // scratch
 };
 
 }  // namespace flexarm::solvers

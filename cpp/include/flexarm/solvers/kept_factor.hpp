@@ -20,6 +20,8 @@ class KeptFactor {
 
   /// x := A⁻¹ x
   void solve(Eigen::VectorXd& x);
+  /// The inverse; null where it was not formed.
+  const DissectedInverse* inverse() const { return inverted_ ? &inverse_ : nullptr; }
   /// The same factors for those who solve a few times only.
   const SparseFactor& by_substitution() const { return sparse_; }
 

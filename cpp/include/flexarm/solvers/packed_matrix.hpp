@@ -22,6 +22,7 @@ class PackedMatrix {
 
   Eigen::Index rows() const { return rows_; }
   Eigen::Index cols() const { return cols_; }
+  double operator()(Eigen::Index i, Eigen::Index j) const { return columns_[j * filled_rows_ + i]; }
   Eigen::Index filled_rows() const { return filled_rows_; }  ///< a multiple of four
 
   /// Equation (1). @param y has room for filled_rows() entries; those beyond rows() become zero.

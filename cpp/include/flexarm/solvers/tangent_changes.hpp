@@ -55,6 +55,8 @@ class TangentChangesIn {
 
   /// Whether (1) follows every change of Φ_q.
   bool follows_constraints() const { return follows_constraints_; }
+  /// Whether there is something to follow.
+  bool any() const { return W_.cols() > 0; }
 
   /// S₀ has been factored in this state. @param c factors of the tangent, @param laws tangents in S₀.
   void keep(const assembly::StateIn<D>& state, const assembly::TangentFactors& c, const Eigen::VectorXd& laws,

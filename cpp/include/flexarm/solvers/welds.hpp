@@ -43,6 +43,14 @@ class WeldsIn {
   const std::vector<int>& carriers() const { return carriers_; }  ///< nodes that do not follow
   int row(int unknown) const { return rows_[unknown]; }           ///< of an unknown of Δ in y, or none
 
+  struct Follower {
+    int node, carrier, parent, joint;  // the parent, at the other end of the joint, may follow itself
+    int first_row;                     // of the joint's multipliers
+    FrameD X, X_inverse;               // from the carrier
+    FrameD parent_inverse;             // X⁻¹ from the parent
+  };
+  const std::vector<Follower>& followers() const { return followers_; }  ///< parents first
+
   /// Where the freedoms of a node are: from `row` of y on, seen from the node; none if it rests.
   struct Place {
     int row;
@@ -65,12 +73,6 @@ class WeldsIn {
 
  private:
   static constexpr int n = geometry::freedoms<D>;
-  struct Follower {
-    int node, carrier, parent, joint;  // the parent, at the other end of the joint, may follow itself
-    int first_row;                     // of the joint's multipliers
-    FrameD X, X_inverse;               // from the carrier
-    FrameD parent_inverse;             // X⁻¹ from the parent
-  };
   /// Unknowns that keep their neighbours.
   struct Piece {
     int from, to, count;
@@ -83,7 +85,7 @@ class WeldsIn {
   const SystemD& system_;
   std::vector<bool> folded_;
   std::vector<int> carriers_, rows_;
-  std::vector<Follower> followers_;  // parents first
+  std::vector<Follower> followers_;
   std::vector<Piece> pieces_;
   int n_unknowns_ = 0;
 };

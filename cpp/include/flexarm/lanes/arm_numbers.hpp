@@ -1,0 +1,65 @@
+/// @file
+/// Planar arms of one structure, laid out for the code that steps them side by side (lanes/numbers.hpp).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "flexarm/assembly/equations.hpp"
+#include "flexarm/lanes/numbers.hpp"
+#include "flexarm/lanes/rows.hpp"
+#include "flexarm/solvers/dissected_inverse.hpp"
+#include "flexarm/solvers/welds.hpp"
+
+namespace flexarm::lanes {
+
+using PlanarArm = assembly::SystemIn<2>;
+using State = assembly::StateIn<2>;
+using Loads = assembly::LoadsIn<2>;
+
+/// Whether an arm can step beside others of its structure: beams, rigid bodies and linear laws alone, of
+/// which the iteration matrix hardly changes while the arm moves.
+bool suits(const PlanarArm& arm, const Loads& loads);
+
+/// Whether two arms differ in numbers only.
+bool same_structure(const PlanarArm& one, const PlanarArm& other);
+
+class ArmNumbers {
+ public:
+  /// @param arms of one structure, which suit; fewer than lanes leave the last lanes with those of the first.
+  ArmNumbers(const std::vector<const PlanarArm*>& arms, const std::vector<Loads>& loads, int lanes);
+
+  const Arms& arms() const { return arms_; }
+  const solvers::WeldsIn<2>& welds(int lane) const { return *welds_[static_cast<std::size_t>(lane)]; }
+
+  /// @return false if the inverse is not cut as those of the lanes before.
+  bool set_inverse(int lane, const solvers::DissectedInverse& inverse);
+
+  /// Change of accelerations of free scalar coordinates and of multipliers by Φ''.
+  void set_consistent(int lane, const Eigen::MatrixXd& change);
+
+ private:
+  void lay_out(const PlanarArm& arm);
+  void fill(int lane, const PlanarArm& arm, const Loads& loads);
+  bool cut_as(const solvers::DissectedInverse& inverse) const;
+  void cut(const solvers::DissectedInverse& inverse);
+
+  int lanes_;
+  std::vector<std::unique_ptr<solvers::WeldsIn<2>>> welds_;
+  std::vector<int> beam_nodes_, body_nodes_, carriers_, point_nodes_;
+  std::vector<JointPlace> joints_;
+  std::vector<LawPlace> laws_;
+  std::vector<FollowerPlace> followers_;
+  std::vector<JointOutput> outputs_;
+  Rows beams_, bodies_, weights_, gravity_, joint_numbers_, law_numbers_, scalar_inertia_, follower_frames_,
+      reach_, mass_scale_, point_offsets_, consistent_;
+
+  std::vector<int> cut_order_, order_;  // of the reduced unknowns, and of all
+  std::vector<std::vector<int>> boundaries_;
+  std::vector<Rows> inverses_, from_boundaries_;
+  std::vector<InversePart> parts_;
+  Rows separator_;
+  Arms arms_{};
+};
+
+}  // namespace flexarm::lanes

@@ -1,0 +1,123 @@
+/// @file
+/// Planar arms of one structure side by side, as code for one kind of processor sees them: numbers and
+/// places.
+///
+/// Every quantity of an arm is a row of N numbers, one a lane, and rows lie one after the other. Rows named
+/// `frame` are six: R by columns, x. The code is compiled with options that other code must not share, so
+/// nothing here has functions, and matrices are rows of their entries by columns.
+#pragma once
+
+namespace flexarm::lanes {
+
+/// Numbers of a node, of a rigid body's frame and of a joint's.
+inline constexpr int freedoms = 3, frame_rows = 6;
+
+struct JointPlace {
+  int node_a, node_b, coordinate, first_row;
+  bool folded;  ///< takes no part in steps (solvers/welds.hpp)
+};
+
+/// A linear law between scalar coordinates: plus less minus, or plus alone (−1).
+struct LawPlace {
+  int plus, minus;
+};
+
+/// A node that follows another one (solvers/welds.hpp); −1: the base.
+struct FollowerPlace {
+  int node, carrier;
+};
+
+/// A part of the kept inverse (solvers/dissected_inverse.hpp).
+struct InversePart {
+  int first, size, n_boundary;
+  const int* boundary;
+  const double* inverse;        ///< (size + n_boundary, size), by blocks of rows
+  const double* from_boundary;  ///< (size, n_boundary), by blocks of rows
+};
+
+/// Rows of one block; the last one has what is left. Within a block columns follow one another.
+inline constexpr int block_rows = 6;
+
+/// Columns that are recorded of a joint: −1 for what it has not.
+struct JointOutput {
+  int theta, phi, constraint;
+};
+
+/// Everything that does not change from step to step.
+struct Arms {
+  int n_nodes, n_scalars, n_free_scalars, n_constraints;
+  bool damped;
+  int n_beams, n_bodies, n_joints, n_laws, n_carriers, n_followers;
+  const int *beam_nodes, *body_nodes, *carriers;
+  const JointPlace* joints;
+  const LawPlace* laws;
+  const FollowerPlace* followers;
+  const double* beams;            ///< K (3), d₀ + b (3), η, M (36) of each
+  const double* bodies;           ///< M (9) of each
+  const double* weights;          ///< mass, first moment (2) of each node
+  const double* gravity;          ///< (2)
+  const double* joint_numbers;    ///< X_b, X_a⁻¹, X_b⁻¹ (frames), ξ (3), Ad_a, Ad_b (9 each) of each
+  const double* law_numbers;      ///< force without deflection and rate, stiffness, damping of each
+  const double* scalar_inertia;   ///< of each scalar coordinate
+  const double* follower_frames;  ///< X, X⁻¹ of each
+  const double* reach;
+  const double* mass_scale;  ///< of constraints and multipliers, times β h²
+
+  int n_reduced, n_parts, n_separated;
+  const int* order;  ///< the unknown of the k-th row of the inverse
+  const InversePart* parts;
+  const double* separator;
+
+  int n_points;
+  const int* point_nodes;
+  const double* point_offsets;  ///< (2) of each
+  int n_outputs;
+  const JointOutput* outputs;
+  /// Change of accelerations of free scalar coordinates and of multipliers by Φ'': (n_free_scalars +
+  /// n_constraints, n_constraints); null: forces are those of the stepping.
+  const double* consistent;
+};
+
+/// What moves.
+struct Motion {
+  double *frames, *frames_before;  ///< a node
+  double *s, *s_before;            ///< scalar coordinates
+  double *v, *v_dot, *a;           ///< freedoms of nodes, then scalar coordinates
+  double* multipliers;
+  double* exponent;      ///< of free velocities
+  double* r;             ///< of all velocities
+  double* dx;            ///< of all unknowns: residuals, then increments
+  double* work;          ///< twice as many rows as there are unknowns
+  double* acceleration;  ///< Φ'', then what `consistent` makes of it
+};
+
+/// One for all arms: what drives them at the end of a step, one number a scalar coordinate.
+struct Drive {
+  const double *s, *v, *v_dot, *torques;
+};
+
+/// Coefficients of solvers/hht.hpp, and the step.
+struct Step {
+  double h, alpha, beta, gamma;
+};
+
+/// The code for one kind of processor and number of lanes.
+struct Kernel {
+  int lanes;
+  /// State 1 with the accelerations of state 0.
+  void (*predict)(const Arms&, Motion&, const Step&, const Drive&);
+  /// Residuals of state 1, and the increments that the kept inverse makes of them.
+  void (*solve)(const Arms&, Motion&, const Step&, const Drive&);
+  /// Corrects state 1 in lanes whose entry of `active` is not 0. @param sizes of the increments in all lanes;
+  /// not a number where one is not finite
+  void (*correct)(const Arms&, Motion&, const Step&, const double* active, double* sizes);
+  /// Position and velocity in the plane of every point (4 rows), and of every joint θ, θ', φ, φ', the motor's
+  /// torque and the joint's (6 rows).
+  void (*record)(const Arms&, Motion&, double* rows);
+};
+
+/// The code that this processor runs with as many lanes as it has vectors for, but not twice as many as there
+/// are arms; null: none.
+const Kernel* kernel_for(int arms);
+
+}  // namespace flexarm::lanes

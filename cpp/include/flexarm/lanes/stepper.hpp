@@ -1,0 +1,72 @@
+/// @file
+/// Planar arms of one structure that step together, one a lane of vector registers.
+///
+/// Each lane makes the steps of solvers/hht.hpp: it stops iterating by its own increments and waits for the
+/// others, and no number of it depends on theirs, so that an arm moves the same way in any company. What goes
+/// beyond, an iteration that fails, leaves the lane: its arm is to run alone.
+#pragma once
+
+#include <vector>
+
+#include "flexarm/assembly/iteration_matrix.hpp"
+#include "flexarm/lanes/arm_numbers.hpp"
+#include "flexarm/solvers/hht.hpp"
+
+namespace flexarm::lanes {
+
+class Stepper {
+ public:
+  /// @param arms of one structure, which suit, up to as many as the kernel has lanes; with the loads on each
+  /// and the states where they start, at rest
+  Stepper(const Kernel& kernel, const std::vector<const PlanarArm*>& arms, const std::vector<Loads>& loads,
+          const std::vector<State>& states, const solvers::HhtCoefficients& coefficients,
+          const solvers::HhtOptions& options);
+
+  /// One step of size h along drives that all arms share.
+  void advance(double h, const solvers::Drives& drives);
+
+  bool runs(int lane) const { return lane_[static_cast<std::size_t>(lane)].runs; }
+  bool any_runs() const;
+  void set_time(double t) { t_ = t; }  ///< with no drift from adding up
+  const solvers::HhtStatistics& statistics(int lane) const {
+    return lane_[static_cast<std::size_t>(lane)].statistics;
+  }
+  State state(int lane) const;
+  /// The same with the forces of joints that steps leave out.
+  State final_state(int lane) const;
+
+  /// Change of accelerations and multipliers by Φ'' that record() is to add, see ArmNumbers.
+  void set_consistent(int lane, const Eigen::MatrixXd& change) { numbers_.set_consistent(lane, change); }
+  int recorded_rows() const { return 4 * numbers_.arms().n_points + 6 * numbers_.arms().n_outputs; }
+  /// See Kernel::record.
+  void record(double* rows) { kernel_.record(numbers_.arms(), motion_, rows); }
+
+ private:
+  struct Lane {
+    const PlanarArm* arm;
+    Loads loads;
+    State start;
+    assembly::IterationMatrixIn<2> matrix;
+    bool runs = true;
+    double contraction = 0.5;
+    solvers::HhtStatistics statistics = {};
+  };
+
+  void put(int lane, const State& state);
+  bool factor(int lane, double h);
+  void iterate(const Step& step, const Drive& drive);
+
+  const Kernel& kernel_;
+  solvers::HhtCoefficients coefficients_;
+  solvers::HhtOptions options_;
+  ArmNumbers numbers_;
+  std::vector<Lane> lane_;
+  double t_, factored_h_ = 0;
+  long steps_ = 0;
+  solvers::DriveValues drive_;
+  Rows frames_, frames_before_, s_, s_before_, v_, v_dot_, a_, multipliers_, exponent_, r_, dx_, work_,
+      acceleration_, active_, sizes_;
+  Motion motion_;
+};
+
+}  // namespace flexarm::lanes

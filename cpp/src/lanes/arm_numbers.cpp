@@ -1,0 +1,254 @@
+#include "flexarm/lanes/arm_numbers.hpp"
+
+#include "flexarm/solvers/kept_factor.hpp"
+#include "flexarm/solvers/step_matrix.hpp"
+#include "flexarm/solvers/tangent_changes.hpp"
+
+namespace flexarm::lanes {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+int put_frame(Rows& rows, int row, int lane, const geometry::FrameIn<2>& H) {
+  return rows.put(rows.put(row, lane, H.R), lane, H.x);
+}
+
+/// Rows `first` to `first + count` of a matrix by blocks.
+int put_blocks(Rows& rows, int row, int lane, const solvers::PackedMatrix& A, int first, int count) {
+  for (int at = first; at < first + count; at += block_rows) {
+    const int behind = std::min(at + block_rows, first + count);
+    for (int j = 0; j < A.cols(); ++j) {
+      for (int i = at; i < behind; ++i) rows(row++, lane) = A(i, j);
+    }
+  }
+  return row;
+}
+
+int count(const auto& things) { return static_cast<int>(things.size()); }
+
+}  // namespace
+
+bool suits(const PlanarArm& arm, const Loads& loads) {
+  const bool others = !arm.gears().empty() || !arm.closures().empty() || !arm.superelements().empty() ||
+                      !loads.points.empty() || arm.pedestal().node >= 0;
+  if (others) return false;
+  for (const auto& beam : arm.beams()) {
+    if (beam.grows()) return false;
+  }
+  for (const auto& law : arm.laws()) {
+    if (law.of >= 0) return false;
+  }
+  const solvers::WeldsIn<2> welds(arm, true);
+  const solvers::TangentChangesIn<2> changes(arm, welds);
+  return changes.follows_constraints() && !changes.any() &&
+         welds.n_unknowns() <= solvers::KeptFactor::largest_inverse;
+}
+
+bool same_structure(const PlanarArm& one, const PlanarArm& other) {
+  const auto alike = [](const auto& a, const auto& b, auto same) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
+  };
+  return one.n_nodes() == other.n_nodes() && one.n_free() == other.n_free() &&
+         one.n_velocities() == other.n_velocities() && one.drives() == other.drives() &&
+         alike(
+             one.beams(), other.beams(),
+             [](const auto& a, const auto& b) { return a.node1() == b.node1() && a.node2() == b.node2(); }) &&
+         alike(one.bodies(), other.bodies(),
+               [](const auto& a, const auto& b) { return a.node() == b.node(); }) &&
+         alike(one.constraints(), other.constraints(),
+               [](const auto& a, const auto& b) {
+                 return a.type() == b.type() && a.node_a() == b.node_a() && a.node_b() == b.node_b() &&
+                        a.coordinate() == b.coordinate();
+               }) &&
+         alike(one.laws(), other.laws(),
+               [](const auto& a, const auto& b) { return a.plus == b.plus && a.minus == b.minus; }) &&
+         alike(one.joints(), other.joints(),
+               [](const auto& a, const auto& b) { return a.theta == b.theta && a.phi == b.phi; }) &&
+         alike(one.points(), other.points(),
+               [](const auto& a, const auto& b) { return a.node == b.node && a.element == b.element; });
+}
+
+ArmNumbers::ArmNumbers(const std::vector<const PlanarArm*>& arms, const std::vector<Loads>& loads, int lanes)
+    : lanes_(lanes) {
+  for (const PlanarArm* arm : arms) welds_.push_back(std::make_unique<solvers::WeldsIn<2>>(*arm, true));
+  lay_out(*arms.front());
+  for (int lane = 0; lane < lanes; ++lane) {
+    const std::size_t which = lane < count(arms) ? static_cast<std::size_t>(lane) : 0;
+    fill(lane, *arms[which], loads[which]);
+  }
+}
+
+/// Places, and room for numbers.
+void ArmNumbers::lay_out(const PlanarArm& arm) {
+  constexpr int n = freedoms;
+  for (const auto& beam : arm.beams()) {
+    beam_nodes_.insert(beam_nodes_.end(), {beam.node1(), beam.node2()});
+    arms_.damped = arms_.damped || beam.damping_time() > 0;
+  }
+  for (const auto& body : arm.bodies()) body_nodes_.push_back(body.node());
+  const solvers::WeldsIn<2>& welds = *welds_.front();
+  int row = 0;
+  for (std::size_t k = 0; k < arm.constraints().size(); ++k) {
+    const auto& joint = arm.constraints()[k];
+    const bool folded = !welds.joints().empty() && welds.joints()[k];
+    joints_.push_back({joint.node_a(), joint.node_b(), joint.coordinate(), row, folded});
+    row += joint.rows();
+  }
+  for (const auto& law : arm.laws()) laws_.push_back({law.plus, law.minus});
+  carriers_ = welds.carriers();
+  for (const auto& follower : welds.followers()) followers_.push_back({follower.node, follower.carrier});
+  for (const auto& point : arm.points()) point_nodes_.push_back(point.node);
+  for (std::size_t j = 0; j < arm.joints().size(); ++j) {
+    const auto& at = arm.joints()[j];
+    if (at.theta >= 0) outputs_.push_back({at.theta, at.phi, static_cast<int>(j)});
+  }
+  const auto room = [&](Rows& rows, int count) {
+    rows = Rows(count, lanes_);
+    return rows.data();
+  };
+  arms_ = {.n_nodes = arm.n_nodes(),
+           .n_scalars = arm.n_scalars(),
+           .n_free_scalars = arm.n_free() - arm.scalar_offset(),
+           .n_constraints = arm.n_constraints(),
+           .damped = arms_.damped,
+           .n_beams = count(arm.beams()),
+           .n_bodies = count(body_nodes_),
+           .n_joints = count(joints_),
+           .n_laws = count(laws_),
+           .n_carriers = count(carriers_),
+           .n_followers = count(followers_),
+           .beam_nodes = beam_nodes_.data(),
+           .body_nodes = body_nodes_.data(),
+           .carriers = carriers_.data(),
+           .joints = joints_.data(),
+           .laws = laws_.data(),
+           .followers = followers_.data(),
+           .beams = room(beams_, (2 * n + 1 + 4 * n * n) * count(arm.beams())),
+           .bodies = room(bodies_, n * n * count(body_nodes_)),
+           .weights = room(weights_, n * arm.n_nodes()),
+           .gravity = room(gravity_, 2),
+           .joint_numbers = room(joint_numbers_, (3 * frame_rows + n + 2 * n * n) * count(joints_)),
+           .law_numbers = room(law_numbers_, 3 * count(laws_)),
+           .scalar_inertia = room(scalar_inertia_, arm.n_scalars()),
+           .follower_frames = room(follower_frames_, 2 * frame_rows * count(followers_)),
+           .reach = room(reach_, 1),
+           .mass_scale = room(mass_scale_, 1),
+           .n_reduced = welds.n_unknowns(),
+           .n_parts = 0,
+           .n_separated = 0,
+           .order = nullptr,
+           .parts = nullptr,
+           .separator = nullptr,
+           .n_points = count(point_nodes_),
+           .point_nodes = point_nodes_.data(),
+           .point_offsets = room(point_offsets_, 2 * count(point_nodes_)),
+           .n_outputs = count(outputs_),
+           .outputs = outputs_.data(),
+           .consistent = nullptr};
+}
+
+void ArmNumbers::fill(int lane, const PlanarArm& arm, const Loads& loads) {
+  int row = 0;
+  for (const auto& beam : arm.beams()) {
+    row = beams_.put(row, lane, beam.stiffness());
+    row = beams_.put(row, lane, beam.rest(0));
+    beams_(row++, lane) = beam.damping_time();
+    row = beams_.put(row, lane, beam.mass());
+  }
+  row = 0;
+  for (const auto& body : arm.bodies()) row = bodies_.put(row, lane, body.mass());
+  row = 0;
+  for (const auto& weight : arm.weights()) {
+    weights_(row++, lane) = weight.mass;
+    row = weights_.put(row, lane, weight.moment);
+  }
+  gravity_.put(0, lane, loads.gravity);
+  row = 0;
+  for (const auto& joint : arm.constraints()) {
+    const auto& at = joint.frames();
+    for (const auto* H : {&at.X_b, &at.X_a_inverse, &at.X_b_inverse})
+      row = put_frame(joint_numbers_, row, lane, *H);
+    row = joint_numbers_.put(row, lane, at.twist);
+    row = joint_numbers_.put(row, lane, at.Ad_a);
+    row = joint_numbers_.put(row, lane, at.Ad_b);
+  }
+  row = 0;
+  for (const auto& law : arm.laws()) {
+    const joints::LawResponse at_rest = joints::respond(law.law, 0, 0, {});
+    for (const double number : {at_rest.force, at_rest.stiffness, at_rest.damping}) {
+      law_numbers_(row++, lane) = number;
+    }
+  }
+  for (int k = 0; k < arm.n_scalars(); ++k) scalar_inertia_(k, lane) = arm.scalar_inertia()[k];
+  row = 0;
+  const std::size_t which = lane < count(welds_) ? static_cast<std::size_t>(lane) : 0;
+  for (const auto& follower : welds_[which]->followers()) {
+    row = put_frame(follower_frames_, row, lane, follower.X);
+    row = put_frame(follower_frames_, row, lane, follower.X_inverse);
+  }
+  reach_(0, lane) = arm.reach();
+  mass_scale_(0, lane) = solvers::constraint_scale(arm);
+  row = 0;
+  for (const auto& point : arm.points()) row = point_offsets_.put(row, lane, point.offset.x);
+}
+
+/// Room for inverses that are cut like this one.
+void ArmNumbers::cut(const solvers::DissectedInverse& inverse) {
+  cut_order_ = inverse.order();
+  const solvers::WeldsIn<2>& welds = *welds_.front();
+  std::vector<int> unknowns(static_cast<std::size_t>(arms_.n_reduced));
+  const int n_unknowns = freedoms * arms_.n_nodes + arms_.n_free_scalars + arms_.n_constraints;
+  for (int k = 0; k < n_unknowns; ++k) {
+    if (welds.row(k) >= 0) unknowns[static_cast<std::size_t>(welds.row(k))] = k;
+  }
+  for (const int k : cut_order_) order_.push_back(unknowns[static_cast<std::size_t>(k)]);
+  for (const auto& part : inverse.parts()) boundaries_.push_back(part.boundary);
+  int inner = 0;
+  for (std::size_t p = 0; p < boundaries_.size(); ++p) {
+    const auto& part = inverse.parts()[p];
+    const int rows = static_cast<int>(part.size), n_boundary = count(boundaries_[p]);
+    inverses_.emplace_back((rows + n_boundary) * rows, lanes_);
+    from_boundaries_.emplace_back(rows * n_boundary, lanes_);
+    parts_.push_back({static_cast<int>(part.first), rows, n_boundary, boundaries_[p].data(),
+                      inverses_[p].data(), from_boundaries_[p].data()});
+    inner += rows;
+  }
+  arms_.n_parts = count(parts_);
+  arms_.n_separated = arms_.n_reduced - inner;
+  separator_ = Rows(arms_.n_separated * arms_.n_separated, lanes_);
+  arms_.order = order_.data();
+  arms_.parts = parts_.data();
+  arms_.separator = separator_.data();
+}
+
+bool ArmNumbers::cut_as(const solvers::DissectedInverse& inverse) const {
+  return inverse.order() == cut_order_ &&
+         std::equal(boundaries_.begin(), boundaries_.end(), inverse.parts().begin(), inverse.parts().end(),
+                    [](const auto& boundary, const auto& part) { return boundary == part.boundary; });
+}
+
+bool ArmNumbers::set_inverse(int lane, const solvers::DissectedInverse& inverse) {
+  if (inverse.eliminates_first()) return false;
+  if (cut_order_.empty()) cut(inverse);
+  if (!cut_as(inverse)) return false;
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const auto& part = inverse.parts()[p];
+    const int rows = parts_[p].size, n_boundary = parts_[p].n_boundary;
+    const int behind = put_blocks(inverses_[p], 0, lane, part.inverse, 0, rows);
+    put_blocks(inverses_[p], behind, lane, part.inverse, rows, n_boundary);
+    put_blocks(from_boundaries_[p], 0, lane, part.from_boundary, 0, rows);
+  }
+  put_blocks(separator_, 0, lane, inverse.separator(), 0, arms_.n_separated);
+  return true;
+}
+
+void ArmNumbers::set_consistent(int lane, const MatrixXd& change) {
+  if (arms_.consistent == nullptr) {
+    consistent_ = Rows(static_cast<int>(change.size()), lanes_);
+    arms_.consistent = consistent_.data();
+  }
+  put_blocks(consistent_, 0, lane, solvers::PackedMatrix(change), 0, static_cast<int>(change.rows()));
+}
+
+}  // namespace flexarm::lanes

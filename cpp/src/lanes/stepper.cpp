@@ -1,0 +1,155 @@
+#include "flexarm/lanes/stepper.hpp"
+
+#include <algorithm>
+
+#include "flexarm/solvers/kept_factor.hpp"
+#include "flexarm/solvers/step_iteration.hpp"
+#include "flexarm/solvers/step_matrix.hpp"
+
+namespace flexarm::lanes {
+
+using solvers::StepIteration;
+
+Stepper::Stepper(const Kernel& kernel, const std::vector<const PlanarArm*>& arms,
+                 const std::vector<Loads>& loads, const std::vector<State>& states,
+                 const solvers::HhtCoefficients& coefficients, const solvers::HhtOptions& options)
+    : kernel_(kernel),
+      coefficients_(coefficients),
+      options_(options),
+      numbers_(arms, loads, kernel.lanes),
+      t_(states.front().t) {
+  const Arms& all = numbers_.arms();
+  const int n_velocities = freedoms * all.n_nodes + all.n_scalars, lanes = kernel.lanes;
+  const int n_unknowns = freedoms * all.n_nodes + all.n_free_scalars + all.n_constraints;
+  const auto room = [&](Rows& rows, int count) {
+    rows = Rows(count, lanes);
+    return rows.data();
+  };
+  motion_ = {.frames = room(frames_, frame_rows * all.n_nodes),
+             .frames_before = room(frames_before_, frame_rows * all.n_nodes),
+             .s = room(s_, all.n_scalars),
+             .s_before = room(s_before_, all.n_scalars),
+             .v = room(v_, n_velocities),
+             .v_dot = room(v_dot_, n_velocities),
+             .a = room(a_, n_velocities),
+             .multipliers = room(multipliers_, all.n_constraints),
+             .exponent = room(exponent_, n_velocities),
+             .r = room(r_, n_velocities),
+             .dx = room(dx_, n_unknowns),
+             .work = room(work_, 4 * n_unknowns + all.n_scalars),
+             .acceleration = room(acceleration_, 2 * all.n_constraints + all.n_scalars)};
+  active_ = Rows(1, lanes);
+  sizes_ = Rows(1, lanes);
+  for (std::size_t k = 0; k < arms.size(); ++k) {
+    lane_.push_back({arms[k], loads[k], states[k], assembly::IterationMatrixIn<2>(*arms[k])});
+  }
+  for (int lane = 0; lane < lanes; ++lane) {
+    put(lane, states[lane < static_cast<int>(states.size()) ? static_cast<std::size_t>(lane) : 0]);
+  }
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(all.n_scalars);
+  drive_ = {zero, zero, zero, zero};
+}
+
+void Stepper::put(int lane, const State& state) {
+  int row = 0;
+  for (const auto& H : state.frames) row = frames_.put(frames_.put(row, lane, H.R), lane, H.x);
+  s_.put(0, lane, state.s);
+  v_.put(0, lane, state.v);
+  v_dot_.put(0, lane, state.v_dot);
+  a_.put(0, lane, state.a);
+  multipliers_.put(0, lane, state.multipliers);
+}
+
+State Stepper::state(int lane) const {
+  const Lane& own = lane_[static_cast<std::size_t>(lane)];
+  const int lanes = kernel_.lanes;
+  State state = own.start;
+  state.t = t_;
+  const auto number = [&](const double* rows, int row) { return rows[lanes * row + lane]; };
+  for (std::size_t k = 0; k < state.frames.size(); ++k) {
+    const int row = frame_rows * static_cast<int>(k);
+    for (int i = 0; i < 4; ++i) state.frames[k].R.data()[i] = number(motion_.frames, row + i);
+    for (int i = 0; i < 2; ++i) state.frames[k].x[i] = number(motion_.frames, row + 4 + i);
+  }
+  for (int k = 0; k < state.s.size(); ++k) state.s[k] = number(motion_.s, k);
+  v_.take(0, lane, state.v);
+  v_dot_.take(0, lane, state.v_dot);
+  a_.take(0, lane, state.a);
+  multipliers_.take(0, lane, state.multipliers);
+  for (std::size_t k = 0; k < state.laws.size(); ++k) {
+    state.laws[k] = {own.arm->deflection(own.arm->laws()[k], state.s), 0};
+  }
+  return state;
+}
+
+State Stepper::final_state(int lane) const {
+  State found = state(lane);
+  Loads loads = lane_[static_cast<std::size_t>(lane)].loads;
+  loads.torques = drive_.torques;
+  numbers_.welds(lane).find_forces(found, loads);
+  return found;
+}
+
+bool Stepper::any_runs() const {
+  return std::any_of(lane_.begin(), lane_.end(), [](const Lane& lane) { return lane.runs; });
+}
+
+bool Stepper::factor(int lane, double h) {
+  Lane& own = lane_[static_cast<std::size_t>(lane)];
+  const State here = state(lane);
+  const auto c = solvers::step_factors(coefficients_, h, solvers::constraint_scale(*own.arm));
+  ++own.statistics.factorisations;
+  const auto* S = own.matrix.assemble(here, own.loads, c, own.arm->law_tangents(here, c, true));
+  if (S == nullptr) return false;
+  const auto& welds = numbers_.welds(lane);
+  solvers::KeptFactor factor;
+  if (!factor.factor(welds.any() ? welds.reduce(*S) : *S)) return false;
+  return factor.inverse() != nullptr && numbers_.set_inverse(lane, *factor.inverse());
+}
+
+void Stepper::advance(double h, const solvers::Drives& drives) {
+  const int n_lanes = static_cast<int>(lane_.size());
+  if (factored_h_ != h) {
+    for (int k = 0; k < n_lanes; ++k) {
+      Lane& lane = lane_[static_cast<std::size_t>(k)];
+      lane.runs = lane.runs && factor(k, h);
+    }
+    factored_h_ = h;
+  }
+  t_ += h;
+  drives(t_, drive_);
+  const Step step{h, coefficients_.alpha, coefficients_.beta, coefficients_.gamma};
+  const Drive drive{drive_.s.data(), drive_.v.data(), drive_.v_dot.data(), drive_.torques.data()};
+  kernel_.predict(numbers_.arms(), motion_, step, drive);
+  iterate(step, drive);
+  ++steps_;
+  for (Lane& lane : lane_) lane.statistics.steps += lane.runs;
+}
+
+void Stepper::iterate(const Step& step, const Drive& drive) {
+  std::vector<StepIteration> iterations;
+  iterations.reserve(lane_.size());
+  int waited_for = 0;
+  for (std::size_t k = 0; k < lane_.size(); ++k) {
+    iterations.emplace_back(coefficients_, options_, step.h, steps_, lane_[k].contraction);
+    active_(0, static_cast<int>(k)) = lane_[k].runs;
+    waited_for += lane_[k].runs;
+  }
+  while (waited_for > 0) {
+    kernel_.solve(numbers_.arms(), motion_, step, drive);
+    kernel_.correct(numbers_.arms(), motion_, step, active_.data(), sizes_.data());
+    for (int k = 0; k < static_cast<int>(lane_.size()); ++k) {
+      if (active_(0, k) == 0) continue;
+      Lane& lane = lane_[static_cast<std::size_t>(k)];
+      ++lane.statistics.iterations;
+      const auto verdict = iterations[static_cast<std::size_t>(k)].judge(sizes_(0, k));
+      if (verdict == StepIteration::Verdict::go_on) continue;
+      if (verdict == StepIteration::Verdict::factor && factor(k, step.h)) continue;
+      lane.runs = verdict == StepIteration::Verdict::converged;
+      active_(0, k) = 0;
+      --waited_for;
+    }
+  }
+}
+
+}  // namespace flexarm::lanes

@@ -1,0 +1,264 @@
+#include "flexarm/simulation/side_by_side.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
+#include "flexarm/lanes/stepper.hpp"
+#include "flexarm/simulation/consistent_forces.hpp"
+#include "flexarm/simulation/in_space.hpp"
+#include "flexarm/simulation/recorder.hpp"
+
+namespace flexarm::simulation {
+namespace {
+
+using assembly::PlanarSystem;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using lanes::Rows;
+
+/// Instants that are kept in the lanes' order before they go to the runs.
+constexpr Eigen::Index instants_at_once = 32;
+/// The callback comes so often at most.
+constexpr double seconds_between_calls = 0.02;
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+/// An arm in its plane.
+struct Planar {
+  std::size_t which;  // of the variants
+  std::unique_ptr<PlanarSystem> system;
+  lanes::State state;
+  lanes::Loads loads;
+};
+
+bool records_what_lanes_have(const TransientOptions& options) {
+  return options.dimension != Dimension::space && !options.record_rotations && !options.record_energies &&
+         !options.record_forces;
+}
+
+bool points_at_nodes(const PlanarSystem& system) {
+  return std::all_of(system.points().begin(), system.points().end(),
+                     [](const auto& point) { return point.element < 0; });
+}
+
+/// Locked joints stay where they are: only then do drives mean the same.
+bool same_start(const Planar& one, const Planar& other) {
+  for (std::size_t j = 0; j < one.system->joints().size(); ++j) {
+    const int phi = one.system->joints()[j].phi;
+    if (phi < 0 || one.system->drives()[j] != assembly::DriveKind::locked) continue;
+    if (one.state.s[phi] != other.state.s[phi]) return false;
+  }
+  return true;
+}
+
+/// Change of accelerations of free scalar coordinates and of multipliers by Φ'', consistent_forces.hpp (2).
+MatrixXd consistent_change(const Planar& arm) {
+  const PlanarSystem& system = *arm.system;
+  const Eigen::Index m = system.n_constraints(), n_free = system.n_free(), first = system.scalar_offset();
+  ConsistentForcesIn<2> forces(system);
+  MatrixXd change(n_free - first + m, m);
+  for (Eigen::Index k = 0; k < m; ++k) {
+    VectorXd x = VectorXd::Zero(system.n_unknowns());
+    x[n_free + k] = -forces.scale();
+    forces.solve(arm.state, x);
+    x.tail(m) *= forces.scale();
+    change.col(k) = x.tail(n_free - first + m);
+  }
+  return change;
+}
+
+/// Runs of up to as many arms as there are lanes.
+class Group {
+ public:
+  Group(const lanes::Kernel& kernel, std::vector<Planar> arms, const TransientOptions& options,
+        Eigen::Index n_steps)
+      : arms_(std::move(arms)),
+        options_(options),
+        n_steps_(n_steps),
+        lanes_(kernel.lanes),
+        stepper_(kernel, systems(), loads(), states(), solvers::HhtCoefficients::from_alpha(options.alpha),
+                 {.tolerance = options.tolerance}),
+        block_(static_cast<int>(instants_at_once) * stepper_.recorded_rows(), lanes_),
+        runs_(arms_.size()) {
+    if (options.has_consistent_forces()) {
+      for (int k = 0; k < size(); ++k) stepper_.set_consistent(k, consistent_change(arms_[at(k)]));
+    }
+    for (std::size_t k = 0; k < arms_.size(); ++k) {
+      // Its constructor makes room for what is recorded.
+      RecorderIn<2>(*arms_[k].system, options, n_steps + 1, runs_[k], InSpace<2>(*arms_[k].system));
+    }
+  }
+
+  /// @return false if `told` says so
+  bool run(const solvers::Drives& drives, const std::function<bool(Eigen::Index steps)>& told) {
+    const auto began = Clock::now();
+    auto called = began;
+    record(0);
+    Eigen::Index k = 1;
+    bool goes_on = true;
+    for (; k <= n_steps_ && goes_on && stepper_.any_runs(); ++k) {
+      stepper_.advance(options_.step, drives);
+      stepper_.set_time(time(k));
+      record(k);
+      if (k % instants_at_once == 0 && seconds_since(called) > seconds_between_calls) {
+        called = Clock::now();
+        goes_on = told(k);
+      }
+    }
+    empty(k - 1);
+    for (Transient& run : runs_) {
+      run.seconds = seconds_since(began) / static_cast<double>(arms_.size());
+      run.dimension = 2;
+      run.cancelled = k <= n_steps_;
+      if (run.cancelled) run.finish(k);
+    }
+    return goes_on;
+  }
+
+  void hand_over(const std::vector<Variant>& variants, std::vector<std::optional<Transient>>& found) {
+    for (int k = 0; k < size(); ++k) {
+      if (!stepper_.runs(k)) continue;
+      const Planar& arm = arms_[at(k)];
+      runs_[at(k)].statistics = stepper_.statistics(k);
+      runs_[at(k)].final_state =
+          arm.system->embed(stepper_.final_state(k), variants[arm.which].equilibrium->state);
+      found[arm.which] = std::move(runs_[at(k)]);
+    }
+  }
+
+ private:
+  static std::size_t at(int k) { return static_cast<std::size_t>(k); }
+  int size() const { return static_cast<int>(arms_.size()); }
+  double time(Eigen::Index k) const { return options_.start + static_cast<double>(k) * options_.step; }
+
+  std::vector<const lanes::PlanarArm*> systems() const {
+    std::vector<const lanes::PlanarArm*> all;
+    for (const Planar& arm : arms_) all.push_back(arm.system.get());
+    return all;
+  }
+  std::vector<lanes::Loads> loads() const {
+    std::vector<lanes::Loads> all;
+    for (const Planar& arm : arms_) all.push_back(arm.loads);
+    return all;
+  }
+  std::vector<lanes::State> states() const {
+    std::vector<lanes::State> all;
+    for (const Planar& arm : arms_) all.push_back(arm.state);
+    return all;
+  }
+
+  void record(Eigen::Index k) {
+    if (k > 0 && k % instants_at_once == 0) empty(k - 1);
+    const Eigen::Index row = (k % instants_at_once) * stepper_.recorded_rows();
+    stepper_.record(block_.data() + row * lanes_);
+  }
+
+  /// Hands on the instants of the block, the last of which is the k-th.
+  void empty(Eigen::Index last) {
+    const Eigen::Index first = last - last % instants_at_once;
+    for (int lane = 0; lane < size(); ++lane) {
+      for (Eigen::Index k = first; k <= last; ++k) hand_on(lane, k);
+    }
+  }
+
+  void hand_on(int lane, Eigen::Index k) {
+    const PlanarSystem& system = *arms_[at(lane)].system;
+    const InSpace<2> space(system);
+    Transient& run = runs_[at(lane)];
+    run.time[k] = time(k);
+    int row = static_cast<int>(k % instants_at_once) * stepper_.recorded_rows();
+    const auto number = [&] { return block_(row++, lane); };
+    for (int p = 0; p < static_cast<int>(system.points().size()); ++p) {
+      geometry::Point<2> x, v;
+      for (double* entry : {&x[0], &x[1], &v[0], &v[1]}) *entry = number();
+      if (!options_.record_points) continue;
+      run.position.col(k).segment<3>(3 * p) = space.place(p, x);
+      run.velocity.col(k).segment<3>(3 * p) = space.arrow(v);
+    }
+    if (!options_.record_joints) return;
+    for (Eigen::Index j = 0; j < static_cast<Eigen::Index>(system.joints().size()); ++j) {
+      const bool moves = system.joints()[static_cast<std::size_t>(j)].theta >= 0;
+      for (MatrixXd* column : {&run.joint_angle, &run.joint_rate, &run.drive_angle, &run.drive_rate,
+                               &run.motor_torque, &run.joint_torque}) {
+        (*column)(j, k) = moves ? number() : 0.0;
+      }
+    }
+  }
+
+  std::vector<Planar> arms_;
+  const TransientOptions& options_;
+  Eigen::Index n_steps_;
+  int lanes_;
+  lanes::Stepper stepper_;
+  Rows block_;
+  std::vector<Transient> runs_;
+};
+
+/// Arms that suit, by structure.
+std::vector<std::vector<Planar>> by_structure(const std::vector<Variant>& variants,
+                                              const TransientOptions& options) {
+  std::vector<std::vector<Planar>> groups;
+  for (std::size_t k = 0; k < variants.size(); ++k) {
+    const auto& [system, equilibrium] = variants[k];
+    auto plane = PlanarSystem::about(*system, equilibrium->state, equilibrium->loads).system;
+    if (!plane) continue;
+    Planar arm{k, nullptr, plane->part(equilibrium->state), plane->part(equilibrium->loads)};
+    arm.state.t = arm.state.start = options.start;
+    if (!lanes::suits(*plane, arm.loads) || (options.record_points && !points_at_nodes(*plane))) continue;
+    arm.system = std::move(plane);
+    const auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<Planar>& other) {
+      return lanes::same_structure(*other.front().system, *arm.system) && same_start(other.front(), arm);
+    });
+    if (group == groups.end()) {
+      groups.emplace_back().push_back(std::move(arm));
+    } else {
+      group->push_back(std::move(arm));
+    }
+  }
+  return groups;
+}
+
+}  // namespace
+
+int arms_side_by_side() {
+  const lanes::Kernel* widest = lanes::kernel_for(std::numeric_limits<int>::max());
+  return widest == nullptr ? 0 : widest->lanes;
+}
+
+std::vector<std::optional<Transient>> simulate_side_by_side(const std::vector<Variant>& variants,
+                                                            const std::vector<PiecewisePolynomial>& drives,
+                                                            const TransientOptions& options,
+                                                            const Progress& progress) {
+  std::vector<std::optional<Transient>> found(variants.size());
+  if (!records_what_lanes_have(options) || lanes::kernel_for(1) == nullptr) return found;
+  for (const Variant& variant : variants) {
+    number_of_steps(variant.system->joints().size(), drives, options);
+  }
+  std::size_t done = 0;
+  for (auto& arms : by_structure(variants, options)) {
+    while (!arms.empty()) {
+      const lanes::Kernel& kernel = *lanes::kernel_for(static_cast<int>(arms.size()));
+      const std::size_t n = std::min(arms.size(), static_cast<std::size_t>(kernel.lanes));
+      std::vector<Planar> some(std::make_move_iterator(arms.end() - static_cast<std::ptrdiff_t>(n)),
+                               std::make_move_iterator(arms.end()));
+      arms.resize(arms.size() - n);
+      const auto drive = drives_of_joints<2>(*some.front().system, some.front().state, drives);
+      const Eigen::Index n_steps = number_of_steps(some.front().system->joints().size(), drives, options);
+      Group group(kernel, std::move(some), options, n_steps);
+      const auto told = [&](Eigen::Index k) {
+        const double here = static_cast<double>(k) / static_cast<double>(n_steps);
+        const double share = static_cast<double>(done) + here * static_cast<double>(n);
+        return !progress || progress(share / static_cast<double>(variants.size()));
+      };
+      const bool goes_on = group.run(drive, told);
+      group.hand_over(variants, found);
+      if (!goes_on) return found;
+      done += n;
+    }
+  }
+  return found;
+}
+
+}  // namespace flexarm::simulation

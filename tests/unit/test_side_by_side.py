@@ -1,0 +1,102 @@
+"""Arms side by side in vector registers move as each does alone, but for rounding."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.helpers.arms import STEEL, TUBE, beam, compliance, fixed, hinge, point, rigid
+
+import flexarm
+from flexarm import _core
+from flexarm.simulation.side_by_side import side_by_side
+
+pytestmark = pytest.mark.skipif(_core.lanes() == 0, reason="this processor takes no arms side by side")
+
+TIME = np.linspace(0.0, 1.2, 13)
+DRIVE = flexarm.Drive.from_samples(TIME, {"hinge": 0.9 * np.sin(2.5 * TIME) ** 2})
+
+
+def mast(rng: np.random.Generator, *effects: dict[str, Any], **joint: Any) -> flexarm.Arm:
+    """Return a hinged beam, a rigid knee, a beam and a payload, with numbers of its own."""
+    steel = STEEL | {"youngs_modulus": 210e9 * rng.uniform(0.8, 1.2), "density": 7850 * rng.uniform(0.9, 1.1)}
+    long = beam("rod", [0, 0, rng.uniform(1.5, 2.5)], TUBE, elements=3, damping_ratio=rng.uniform(0, 0.02))
+    short = beam("tail", [rng.uniform(0.5, 0.8), 0, 0], TUBE, elements=2, theory="timoshenko")
+    for link in (long, short):
+        link["material"] = steel
+    end = short["end"]
+    return flexarm.Arm.from_dict(
+        {
+            "joints": [
+                hinge("hinge", "rod", origin={"xyz": [0.1, 0, 0.4]}, **joint),
+                fixed("knee", "elbow", "rod", at="end"),
+                fixed("wrist", "tail", "elbow", origin={"xyz": [0.05, 0, 0.1]}),
+            ],
+            "links": [long, rigid("elbow", rng.uniform(1, 3), [0.02, 0, 0.05], [0.02, 0.03, 0.01]), short],
+            "payloads": [{"name": "load", "link": "tail", "position": end, "mass": rng.uniform(2, 12)}],
+            "points": [point("knee", "elbow", [0, 0, 0.1]), point("tip", "tail", [end[0], 0, 0.05])],
+            "effects": [compliance("hinge", rng.uniform(2e4, 9e4), rng.uniform(50, 300)), *effects],
+        }
+    )
+
+
+def assert_same(run: flexarm.Simulation, alone: flexarm.Simulation) -> None:
+    # Rates take up a rounding of positions over a step, torques times stiffness.
+    bounds = {"position": 1e-12, "joint_angle": 1e-12, "drive_angle": 0.0, "drive_rate": 0.0}
+    bounds |= {"velocity": 1e-11, "joint_rate": 1e-11, "joint_torque": 1e-9, "motor_torque": 1e-9}
+    for name, bound in bounds.items():
+        found, wanted = getattr(run, name), getattr(alone, name)
+        assert np.abs(found - wanted).max() <= bound * np.abs(wanted).max(), name
+    assert np.array_equal(run.time, alone.time)
+    counts = ("steps", "iterations", "factorisations", "halvings", "dimension", "drive_sha256")
+    assert all(run.solver[name] == alone.solver[name] for name in counts)
+
+
+@pytest.mark.parametrize("consistent", [True, False])
+def test_a_run_in_company_is_the_run_alone(consistent: bool) -> None:
+    rng = np.random.default_rng(7)
+    arms = [mast(rng) for _ in range(11)]
+    runs = side_by_side([(arm, DRIVE) for arm in arms], consistent_forces=consistent)
+    for arm, run in zip(arms, runs, strict=True):
+        assert run is not None
+        assert_same(run, flexarm.simulate(arm, DRIVE, consistent_forces=consistent))
+
+
+def test_a_run_does_not_depend_on_its_company_by_one_bit() -> None:
+    rng = np.random.default_rng(8)
+    arms = [mast(rng) for _ in range(9)]
+    all_of_them = side_by_side([(arm, DRIVE) for arm in arms])
+    for arm, run in zip(arms, all_of_them, strict=True):
+        [single] = side_by_side([(arm, DRIVE)])
+        assert run is not None
+        assert single is not None
+        assert np.array_equal(run.position, single.position)
+        assert np.array_equal(run.motor_torque, single.motor_torque)
+
+
+def test_energies_and_states_are_those_of_the_run_alone() -> None:
+    arms = [mast(np.random.default_rng(seed)) for seed in (3, 4)]
+    [run, _] = side_by_side([(arm, DRIVE) for arm in arms])
+    assert run is not None
+    alone = flexarm.simulate(arms[0], DRIVE)
+    assert run.kinetic == pytest.approx(alone.kinetic, rel=1e-12)
+    assert run.work == pytest.approx(alone.work, rel=1e-12)
+
+
+def test_what_does_not_fit_is_left_to_run_alone() -> None:
+    rng = np.random.default_rng(9)
+    gap = {"name": "backlash", "at": "hinge", "gap": 1e-3}
+    others = [mast(rng, gap), mast(rng, axis=[0.3, 1, 0])]
+    assert side_by_side([(arm, DRIVE) for arm in others]) == [None, None]
+    arm = mast(rng)
+    assert side_by_side([(arm, DRIVE)], forces=True) == [None]
+    assert side_by_side([(arm, DRIVE)], sensitivities=["payloads.load.mass"]) == [None]
+    assert side_by_side([(arm, DRIVE)], step=-1.0) == [None]
+
+
+def test_simulate_all_takes_what_fits_and_what_does_not() -> None:
+    rng = np.random.default_rng(10)
+    arms = [mast(rng), mast(rng, {"name": "backlash", "at": "hinge", "gap": 1e-3}), mast(rng)]
+    slower = flexarm.Drive.from_samples(2 * TIME, {"hinge": 0.9 * np.sin(2.5 * TIME) ** 2})
+    pairs = [(arm, drive) for arm in arms for drive in (DRIVE, slower)]
+    for (arm, drive), run in zip(pairs, flexarm.simulate_all(pairs, jobs=1), strict=True):
+        assert_same(run, flexarm.simulate(arm, drive))
