@@ -5,18 +5,10 @@
 namespace flexarm::geometry {
 
 series::Exponential<> series::exponential_beyond(double x) {
-  if (x < small) {  // the power series, by Horner's scheme
-    return {
-        1 + x * (-1.0 / 6 + x * (1.0 / 120 + x * (-1.0 / 5040 + x * (1.0 / 362880 - x * (1.0 / 39916800))))),
-        0.5 + x * (-1.0 / 24 +
-                   x * (1.0 / 720 + x * (-1.0 / 40320 + x * (1.0 / 3628800 - x * (1.0 / 479001600))))),
-        1.0 / 6 + x * (-1.0 / 120 + x * (1.0 / 5040 + x * (-1.0 / 362880 +
-                                                           x * (1.0 / 39916800 - x * (1.0 / 6227020800)))))};
-  }
-  const double phi = std::sqrt(x);
-  const double half_sine = std::sin(0.5 * phi), half_cosine = std::cos(0.5 * phi);  // found together
-  const double sine = 2 * half_sine * half_cosine;
-  return {sine / phi, 2 * half_sine * half_sine / x, (phi - sine) / (x * phi)};
+  if (x < small) return exponential_of_small(x);
+  return exponential_by_sine(x, std::sqrt(x), [](double half) {
+    return SineCosine<double>{std::sin(half), std::cos(half)};  // found together
+  });
 }
 
 double series::inverse_v_beyond(double x) {

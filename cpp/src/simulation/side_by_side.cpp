@@ -158,33 +158,54 @@ class Group {
   /// Hands on the instants of the block, the last of which is the k-th.
   void empty(Eigen::Index last) {
     const Eigen::Index first = last - last % instants_at_once;
+    for (Eigen::Index k = first; k <= last; ++k) {
+      for (Transient& run : runs_) run.time[k] = time(k);
+    }
     for (int lane = 0; lane < size(); ++lane) {
-      for (Eigen::Index k = first; k <= last; ++k) hand_on(lane, k);
+      int row = 0;
+      if (options_.record_points) {
+        row = hand_on_points(lane, first, last);
+      } else {
+        row = 4 * static_cast<int>(arms_[at(lane)].system->points().size());
+      }
+      if (options_.record_joints) hand_on_joints(lane, row, first, last);
     }
   }
 
-  void hand_on(int lane, Eigen::Index k) {
+  int hand_on_points(int lane, Eigen::Index first, Eigen::Index last) {
     const PlanarSystem& system = *arms_[at(lane)].system;
     const InSpace<2> space(system);
-    Transient& run = runs_[at(lane)];
-    run.time[k] = time(k);
-    int row = static_cast<int>(k % instants_at_once) * stepper_.recorded_rows();
-    const auto number = [&] { return block_(row++, lane); };
-    for (int p = 0; p < static_cast<int>(system.points().size()); ++p) {
-      geometry::Point<2> x, v;
-      for (double* entry : {&x[0], &x[1], &v[0], &v[1]}) *entry = number();
-      if (!options_.record_points) continue;
-      run.position.col(k).segment<3>(3 * p) = space.place(p, x);
-      run.velocity.col(k).segment<3>(3 * p) = space.arrow(v);
-    }
-    if (!options_.record_joints) return;
-    for (Eigen::Index j = 0; j < static_cast<Eigen::Index>(system.joints().size()); ++j) {
-      const bool moves = system.joints()[static_cast<std::size_t>(j)].theta >= 0;
-      for (MatrixXd* column : {&run.joint_angle, &run.joint_rate, &run.drive_angle, &run.drive_rate,
-                               &run.motor_torque, &run.joint_torque}) {
-        (*column)(j, k) = moves ? number() : 0.0;
+    const int n_points = static_cast<int>(system.points().size());
+    for (int p = 0; p < n_points; ++p) {
+      for (Eigen::Index k = first; k <= last; ++k) {
+        const geometry::Point<2> x(number(lane, 4 * p, k), number(lane, 4 * p + 1, k));
+        const geometry::Point<2> v(number(lane, 4 * p + 2, k), number(lane, 4 * p + 3, k));
+        runs_[at(lane)].position.col(k).segment<3>(3 * p) = space.place(p, x);
+        runs_[at(lane)].velocity.col(k).segment<3>(3 * p) = space.arrow(v);
       }
     }
+    return 4 * n_points;
+  }
+
+  void hand_on_joints(int lane, int row, Eigen::Index first, Eigen::Index last) {
+    Transient& run = runs_[at(lane)];
+    const auto& joints = arms_[at(lane)].system->joints();
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const bool moves = joints[j].theta >= 0;
+      for (MatrixXd* column : {&run.joint_angle, &run.joint_rate, &run.drive_angle, &run.drive_rate,
+                               &run.motor_torque, &run.joint_torque}) {
+        double* to = column->data() + j;
+        for (Eigen::Index k = first; k <= last; ++k) {
+          to[k * column->rows()] = moves ? number(lane, row, k) : 0.0;
+        }
+        row += moves;
+      }
+    }
+  }
+
+  /// Of the block, by the instant of the run.
+  double number(int lane, int row, Eigen::Index k) const {
+    return block_(static_cast<int>(k % instants_at_once) * stepper_.recorded_rows() + row, lane);
   }
 
   std::vector<Planar> arms_;

@@ -13,7 +13,7 @@ from typing import Any
 
 from flexarm.arm import Arm
 from flexarm.campaigns.cases import Case
-from flexarm.campaigns.outcome import Outcome, Prepared, Value, Variable
+from flexarm.campaigns.outcome import Outcome, Prepared, Runner, Value, Variable
 from flexarm.campaigns.study import Study
 from flexarm.record import Record
 
@@ -26,7 +26,7 @@ GAPS = tuple(
 
 
 @dataclass
-class DiagnoseRun:
+class DiagnoseRun(Runner):
     """Diagnoses of the records of all cases."""
 
     cases: tuple[Case, ...]

@@ -6,8 +6,9 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.campaigns.outcome import Outcome, Runner
+from flexarm.campaigns.outcome import Outcome, Runner, tried
 from flexarm.campaigns.variation import Variation
 from flexarm.errors import printable
 
@@ -54,19 +55,30 @@ class Row:
 
 def computed(job: Job, task: Task) -> list[Row]:
     """Return the rows of a task; whatever a run raises is its reason."""
-    return [
-        _row(job, sample, case, values)
-        for sample, case, values in zip(task.samples, task.cases, task.values, strict=True)
-    ]
+    size = job.runner.at_once
+    rows = []
+    for first in range(0, len(task.samples), size):
+        some = slice(first, first + size)
+        rows += _together(job, task.samples[some], task.cases[some], task.values[some])
+    return rows
 
 
-def _row(job: Job, sample: int, case: int, values: Sequence[float] | Floats) -> Row:
+def _together(job: Job, samples: Sequence[int], cases: Sequence[int], values: Floats) -> list[Row]:
+    """Return the rows of runs that are made together; each took its share of the time."""
     began = time.perf_counter()
-    try:
-        outcome, reason = job.runner.outcome(job.variation.arm(list(values)), case), ""
-    except Exception as error:  # a failed variant is a row, whatever it fails in
-        outcome, reason = None, reason_of(error)
-    return Row(sample, outcome, reason, time.perf_counter() - began)
+    arms = [tried(job.variation.arm, list(each)) for each in values]
+    found: list[Outcome | Exception] = [arm if isinstance(arm, Exception) else {} for arm in arms]
+    made = {k: arm for k, arm in enumerate(arms) if isinstance(arm, Arm)}
+    outcomes = job.runner.outcomes(list(made.values()), [cases[k] for k in made])
+    for k, outcome in zip(made, outcomes, strict=True):
+        found[k] = outcome
+    seconds = (time.perf_counter() - began) / len(samples)
+    return [
+        Row(sample, None, reason_of(each), seconds)
+        if isinstance(each, Exception)
+        else Row(sample, each, "", seconds)
+        for sample, each in zip(samples, found, strict=True)
+    ]
 
 
 def reason_of(error: BaseException) -> str:

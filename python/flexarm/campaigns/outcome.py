@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, ParamSpec, Protocol, TypeVar
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
@@ -48,11 +48,33 @@ class Runner(Protocol):
     variables: tuple[Variable, ...]
     """Those that every run has; a diagnosis adds what it finds."""
 
+    @property
+    def at_once(self) -> int:
+        """Number of runs to be handed to `outcomes` together."""
+        return 1
+
     def nominal(self, arm: Arm) -> list[Outcome]:
         """Run the nominal arm through every case; what runs are compared with is kept."""
 
     def outcome(self, arm: Arm, case: int) -> Outcome:
         """Return what is kept of a run of one case."""
+        ...
+
+    def outcomes(self, arms: Sequence[Arm], cases: Sequence[int]) -> list[Outcome | Exception]:
+        """Return what is kept of each run, or what it raised."""
+        return [tried(self.outcome, arm, case) for arm, case in zip(arms, cases, strict=True)]
+
+
+Args = ParamSpec("Args")
+Made = TypeVar("Made")
+
+
+def tried(make: Callable[Args, Made], *args: Args.args, **kwargs: Args.kwargs) -> Made | Exception:
+    """Return what is made, or what that raised."""
+    try:
+        return make(*args, **kwargs)
+    except Exception as error:  # a failed variant is a row, whatever it fails in
+        return error
 
 
 Prepared = tuple[Runner, Found]

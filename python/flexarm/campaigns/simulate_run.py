@@ -9,30 +9,34 @@ where the deviation of a scalar keeps its sign in `final`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
 from flexarm.campaigns.cases import Case
-from flexarm.campaigns.outcome import Outcome, Prepared, Value, Variable
+from flexarm.campaigns.outcome import Outcome, Prepared, Runner, Value, Variable, tried
 from flexarm.campaigns.study import Found, Keep, Study
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.predict import FRAMED_READINGS, READINGS, predict
 from flexarm.record import Record
+from flexarm.simulation.side_by_side import side_by_side
 from flexarm.simulation.simulate import simulate
+from flexarm.simulation.simulation import Simulation
 
 TURNS = ("orientation", "inclination", "angular_rate", "acceleration")
 """Quantities that need rotations of the points."""
 
 
 @dataclass
-class SimulateRun:
+class SimulateRun(Runner):
     """Simulations along the drives of all cases."""
 
     drives: list[Drive | Record]
@@ -48,26 +52,49 @@ class SimulateRun:
     def nominal(self, arm: Arm) -> list[Outcome]:
         """Run the nominal arm through every case, and keep what statistics compare with."""
         found = []
-        for case, drive in enumerate(self.drives):
-            run = self._simulated(arm, drive)
+        for case in range(len(self.drives)):
+            [run] = self._simulated([arm], [case])
+            if isinstance(run, Exception):
+                raise run
             self.reference.append([_read(run, keep, run.time) for keep in self.keep])
             found.append(self._kept(run, case))
         return found
 
+    @property
+    def at_once(self) -> int:
+        """Number of arms that this processor computes side by side."""
+        return max(1, _core.lanes())
+
     def outcome(self, arm: Arm, case: int) -> Outcome:
         """Return series and statistics of one run."""
-        return self._kept(self._simulated(arm, self.drives[case]), case)
+        [found] = self.outcomes([arm], [case])
+        if isinstance(found, Exception):
+            raise found
+        return found
 
-    def _simulated(self, arm: Arm, drive: Drive | Record) -> Any:
+    def outcomes(self, arms: Sequence[Arm], cases: Sequence[int]) -> list[Outcome | Exception]:
+        """Return series and statistics of each run, or what it raised."""
+        runs = self._simulated(arms, cases)
+        return [
+            run if isinstance(run, Exception) else tried(self._kept, run, case)
+            for run, case in zip(runs, cases, strict=True)
+        ]
+
+    def _simulated(self, arms: Sequence[Arm], cases: Sequence[int]) -> list[Simulation | Exception]:
+        """Return the runs, also a single one as beside others: none depends on what runs with it."""
         seen = {keep.quantity for keep in self.keep}
-        return simulate(
-            arm,
-            drive,
-            step=self.step,
-            alpha=self.alpha,
-            forces="strain" in seen,
-            rotations=any(quantity in TURNS for quantity in seen),
-        )
+        options: dict[str, Any] = {
+            "step": self.step,
+            "alpha": self.alpha,
+            "forces": "strain" in seen,
+            "rotations": any(quantity in TURNS for quantity in seen),
+        }
+        pairs = [(arm, self.drives[case]) for arm, case in zip(arms, cases, strict=True)]
+        together = side_by_side(pairs, **options)
+        return [
+            tried(simulate, *pair, **options) if run is None else run
+            for pair, run in zip(pairs, together, strict=True)
+        ]
 
     def _kept(self, run: Any, case: int) -> Outcome:
         found: dict[str, Value] = {}

@@ -10,7 +10,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
-from flexarm.campaigns.outcome import Outcome, Prepared, Value, Variable
+from flexarm.campaigns.outcome import Outcome, Prepared, Runner, Value, Variable
 from flexarm.campaigns.study import Found, Keep, Study
 from flexarm.modal import modes
 from flexarm.statics.static import static
@@ -26,7 +26,7 @@ _MODES = {"frequency_hz": "Hz", "damping_ratio": "-"}
 
 
 @dataclass
-class StaticRun:
+class StaticRun(Runner):
     """Equilibria with drives held."""
 
     joints: Mapping[str, float]
@@ -54,7 +54,7 @@ class StaticRun:
 
 
 @dataclass
-class ModesRun:
+class ModesRun(Runner):
     """Natural frequencies and damping about the equilibrium."""
 
     joints: Mapping[str, float]

@@ -15,13 +15,15 @@ struct BeamForces {
   using TwistD = geometry::Twist<D, Real>;
   using Ends = Eigen::Matrix<Real, 2 * n, 1>;
 
+  using Mass = Eigen::Matrix<Real, 2 * n, 2 * n>;
+
   TwistD K, rest;  ///< stiffness, d₀ + b
   Real eta;        ///< η
   bool damped;     ///< whether any η is not zero
-  Eigen::Matrix<Real, 2 * n, 2 * n> M;
 
   /// What frames, velocities u and accelerations u' of both ends ask for there.
-  [[gnu::always_inline]] Ends at(const Frame& H1, const Frame& H2, const Ends& u, const Ends& u_dot) const {
+  [[gnu::always_inline]] Ends at(const Frame& H1, const Frame& H2, const Ends& u, const Ends& u_dot,
+                                 const Mass& M) const {
     const TwistD d = geometry::logarithm<D>(geometry::relative<D>(H1, H2));
     const geometry::InverseTangentIn<D, Real> tangent(d);
     TwistD stress = K.cwiseProduct(d - rest);  // eq. (1)

@@ -20,8 +20,8 @@ class BeamPairIn {
         forces_{geometry::side_by_side(first.stiffness(), second.stiffness()),
                 geometry::side_by_side(first.rest(0), second.rest(0)),
                 Two(first.damping_time(), second.damping_time()),
-                first.damping_time() > 0 || second.damping_time() > 0,
-                geometry::side_by_side(first.mass(), second.mass())} {}
+                first.damping_time() > 0 || second.damping_time() > 0},
+        M_(geometry::side_by_side(first.mass(), second.mass())) {}
 
   /// Adds both to the rows of their nodes: frames one a node, the others `freedoms` a node.
   [[gnu::always_inline]] void add_forces(const FrameIn<D>* frames, const double* v, const double* v_dot,
@@ -31,7 +31,7 @@ class BeamPairIn {
     Ends u, u_dot;
     take(v, u);
     take(v_dot, u_dot);
-    add(forces_.at(H1, H2, u, u_dot), r);
+    add(forces_.at(H1, H2, u, u_dot, M_), r);
   }
 
  private:
@@ -55,6 +55,7 @@ class BeamPairIn {
 
   std::array<int, 2> nodes1_, nodes2_;
   BeamForces<D, Two> forces_;
+  typename BeamForces<D, Two>::Mass M_;
 };
 
 }  // namespace flexarm::elements

@@ -17,7 +17,7 @@
 
 #include <cmath>
 
-#include "flexarm/geometry/pack.hpp"
+#include "flexarm/geometry/pack_sine.hpp"
 #include "flexarm/geometry/twist.hpp"
 #include "flexarm/geometry/two.hpp"
 
@@ -120,6 +120,25 @@ Exponential<Real> exponential_of_least(const Real& x) {
           1.0 / 6 + x * (-1.0 / 120 + x * (1.0 / 5040))};
 }
 
+/// The power series, by Horner's scheme.
+template <class Real>
+Exponential<Real> exponential_of_small(const Real& x) {
+  return {
+      1 + x * (-1.0 / 6 + x * (1.0 / 120 + x * (-1.0 / 5040 + x * (1.0 / 362880 - x * (1.0 / 39916800))))),
+      0.5 + x * (-1.0 / 24 +
+                 x * (1.0 / 720 + x * (-1.0 / 40320 + x * (1.0 / 3628800 - x * (1.0 / 479001600))))),
+      1.0 / 6 + x * (-1.0 / 120 +
+                     x * (1.0 / 5040 + x * (-1.0 / 362880 + x * (1.0 / 39916800 - x * (1.0 / 6227020800)))))};
+}
+
+/// The closed forms. @param sine_cosine finds both of φ/2 together
+template <class Real, class SineCosineOf>
+Exponential<Real> exponential_by_sine(const Real& x, const Real& phi, SineCosineOf sine_cosine) {
+  const auto [half_sine, half_cosine] = sine_cosine(Real(0.5 * phi));
+  const Real sine = 2 * half_sine * half_cosine;
+  return {sine / phi, 2 * half_sine * half_sine / x, (phi - sine) / (x * phi)};
+}
+
 inline Exponential<> exponential(double x) {
   if (x < least) return exponential_of_least(x);
   return x < tiny ? exponential_of_tiny(x) : exponential_beyond(x);
@@ -135,16 +154,13 @@ inline Exponential<Two> exponential(Two x) {
 /// Lanes of many arms take the longer series of those below: what one gets must not depend on the others.
 template <int N, class Processor>
 Exponential<Pack<N, Processor>> exponential(const Pack<N, Processor>& x) {
-  Exponential<Pack<N, Processor>> all = exponential_of_tiny(x);
-  if (x.all_below(tiny)) return all;
-  for (int k = 0; k < N; ++k) {
-    if (x[k] < tiny) continue;
-    const Exponential<> one = exponential_beyond(x[k]);
-    all.a.set(k, one.a);
-    all.b.set(k, one.b);
-    all.c.set(k, one.c);
-  }
-  return all;
+  using Real = Pack<N, Processor>;
+  const Exponential<Real> slight = exponential_of_small(x);
+  if (x.all_below(small)) return slight;
+  const Real within = x.ones_below(small), beyond = 1 - within;
+  const auto closed = exponential_by_sine(x, x.root(), [](const Real& half) { return sine_cosine(half); });
+  return {slight.a.where(within) + closed.a.where(beyond), slight.b.where(within) + closed.b.where(beyond),
+          slight.c.where(within) + closed.c.where(beyond)};
 }
 
 /// A₁ of (2).

@@ -6,6 +6,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
 
 namespace flexarm::geometry {
 
@@ -69,7 +72,28 @@ class Pack {
   [[gnu::always_inline]] Pack where(const Pack& chosen) const {
     return Pack(chosen.lanes_ != 0 ? lanes_ : Lanes{});
   }
+  /// 1 where a number is below the limit, 0 elsewhere.
+  [[gnu::always_inline]] Pack ones_below(double limit) const {
+    return Pack(lanes_ < limit ? Lanes{} + 1.0 : Lanes{});
+  }
+  [[gnu::always_inline]] Pack root() const {
+#ifdef __AVX512F__
+    if constexpr (N == 8) return Pack(Lanes(_mm512_sqrt_pd(lanes_)));
+#endif
+#ifdef __AVX2__
+    if constexpr (N == 4) return Pack(Lanes(_mm256_sqrt_pd(lanes_)));
+#endif
+    Pack roots;
+    for (int k = 0; k < N; ++k) roots.set(k, __builtin_sqrt(lanes_[k]));
+    return roots;
+  }
   [[gnu::always_inline]] bool all_below(double limit) const {
+#ifdef __AVX512F__
+    if constexpr (N == 8) return _mm512_cmp_pd_mask(lanes_, _mm512_set1_pd(limit), _CMP_LT_OQ) == 0xff;
+#endif
+#ifdef __AVX2__
+    if constexpr (N == 4) return _mm256_movemask_pd(lanes_ < limit) == 0xf;
+#endif
     bool below = true;
     for (int k = 0; k < N; ++k) below &= lanes_[k] < limit;
     return below;

@@ -176,12 +176,13 @@ class KernelCode {
     constexpr int rows = 2 * n + 1 + 4 * n * n;
     const double* own = arms.beams + N * rows * k;
     const int node1 = arms.beam_nodes[2 * k], node2 = arms.beam_nodes[2 * k + 1];
-    const Forces beam{matrix<Twist>(own, 0), matrix<Twist>(own, n), at(own, 2 * n), arms.damped,
-                      matrix<Eigen::Matrix<Real, 2 * n, 2 * n>>(own, 2 * n + 1)};
+    const Forces beam{matrix<Twist>(own, 0), matrix<Twist>(own, n), at(own, 2 * n), arms.damped};
+    const auto& M =
+        *reinterpret_cast<const typename Forces::Mass*>(own + N * (2 * n + 1));  // with many zeros
     typename Forces::Ends u, u_dot;
     u << matrix<Twist>(motion.v, n * node1), matrix<Twist>(motion.v, n * node2);
     u_dot << matrix<Twist>(motion.v_dot, n * node1), matrix<Twist>(motion.v_dot, n * node2);
-    const auto f = beam.at(frame(motion.frames, node1), frame(motion.frames, node2), u, u_dot);
+    const auto f = beam.at(frame(motion.frames, node1), frame(motion.frames, node2), u, u_dot, M);
     add_matrix(motion.r, n * node1, Twist(f.template head<n>()));
     add_matrix(motion.r, n * node2, Twist(f.template tail<n>()));
   }
