@@ -16,6 +16,7 @@ import overhead
 import run_133s
 import scaling
 import sensitivities
+import side_by_side
 import swing
 
 
@@ -83,6 +84,13 @@ def run_sensitivities(pythons, chosen, rounds):
     return result, sensitivities.lines(result)
 
 
+def run_side_by_side(pythons, chosen, rounds):
+    """Variants of an arm alone and side by side."""
+    order = {"repetitions": rounds}
+    result = measure.run(pythons["flexarm"], "side_by_side.py", order, threads=1).answer
+    return result, side_by_side.lines(result)
+
+
 def run_parts(pythons, chosen, rounds):
     """133 s with a hinge of three solid parts, with and without inner modes."""
     result, count = {}, max(1, rounds // 3)
@@ -108,6 +116,7 @@ PARTS = {
     "scaling": run_scaling,
     "identification": run_identification,
     "sensitivities": run_sensitivities,
+    "side-by-side": run_side_by_side,
     "parts": run_parts,
     "overhead": run_overhead,
 }

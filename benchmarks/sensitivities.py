@@ -69,7 +69,7 @@ def measure_ratio(steps, repetitions):
     return {**seen, "parameters": len(run.sensitivities.keys)}
 
 
-def measure_threads(steps, candidates=8, rounds=4):
+def measure_threads(steps, candidates=16, rounds=4):
     """Least wall seconds of the candidates one after another, and by two threads, in turns.
 
     The first round is left out: a process's first runs take longer, whoever makes them.

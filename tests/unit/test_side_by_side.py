@@ -73,6 +73,18 @@ def test_a_run_does_not_depend_on_its_company_by_one_bit() -> None:
         assert np.array_equal(run.motor_torque, single.motor_torque)
 
 
+def test_motors_driven_by_torque_are_let_go_at_the_start() -> None:
+    rng = np.random.default_rng(11)
+    arms = [mast(rng, rotor_inertia=0.5) for _ in range(3)]
+    drive = flexarm.Drive.from_samples(TIME, {"hinge": 40 * np.cos(3 * TIME)}, side="torque")
+    for arm, run in zip(arms, side_by_side([(arm, drive) for arm in arms]), strict=True):
+        assert run is not None
+        alone = flexarm.simulate(arm, drive)
+        for name in ("position", "drive_angle"):
+            found, wanted = getattr(run, name), getattr(alone, name)
+            assert np.abs(found - wanted).max() <= 1e-11 * np.abs(wanted).max(), name
+
+
 def test_energies_and_states_are_those_of_the_run_alone() -> None:
     arms = [mast(np.random.default_rng(seed)) for seed in (3, 4)]
     [run, _] = side_by_side([(arm, DRIVE) for arm in arms])

@@ -6,6 +6,7 @@
 
 #include "flexarm/lanes/stepper.hpp"
 #include "flexarm/simulation/consistent_forces.hpp"
+#include "flexarm/simulation/consistent_start.hpp"
 #include "flexarm/simulation/in_space.hpp"
 #include "flexarm/simulation/recorder.hpp"
 
@@ -219,13 +220,16 @@ class Group {
 
 /// Arms that suit, by structure.
 std::vector<std::vector<Planar>> by_structure(const std::vector<Variant>& variants,
+                                              const std::vector<PiecewisePolynomial>& drives,
                                               const TransientOptions& options) {
   std::vector<std::vector<Planar>> groups;
   for (std::size_t k = 0; k < variants.size(); ++k) {
     const auto& [system, equilibrium] = variants[k];
-    auto plane = PlanarSystem::about(*system, equilibrium->state, equilibrium->loads).system;
+    const Equilibrium start = consistent_start(
+        *system, *equilibrium, drives_of_joints<3>(*system, equilibrium->state, drives), options.start);
+    auto plane = PlanarSystem::about(*system, start.state, start.loads).system;
     if (!plane) continue;
-    Planar arm{k, nullptr, plane->part(equilibrium->state), plane->part(equilibrium->loads)};
+    Planar arm{k, nullptr, plane->part(start.state), plane->part(start.loads)};
     arm.state.t = arm.state.start = options.start;
     if (!lanes::suits(*plane, arm.loads) || (options.record_points && !points_at_nodes(*plane))) continue;
     arm.system = std::move(plane);
@@ -258,7 +262,7 @@ std::vector<std::optional<Transient>> simulate_side_by_side(const std::vector<Va
     number_of_steps(variant.system->joints().size(), drives, options);
   }
   std::size_t done = 0;
-  for (auto& arms : by_structure(variants, options)) {
+  for (auto& arms : by_structure(variants, drives, options)) {
     while (!arms.empty()) {
       const lanes::Kernel& kernel = *lanes::kernel_for(static_cast<int>(arms.size()));
       const std::size_t n = std::min(arms.size(), static_cast<std::size_t>(kernel.lanes));

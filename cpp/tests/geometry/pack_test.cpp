@@ -30,7 +30,8 @@ Eigen::Matrix<double, Rows, Columns> unpacked(const Eigen::Matrix<Pair, Rows, Co
 
 }  // namespace
 
-TEST_CASE("exponential and logarithm of each lane are those of its numbers alone, whatever the other one is") {
+TEST_CASE(
+    "exponential and logarithm of each lane are those of its numbers alone, whatever the other one is") {
   const double turns[] = {1e-8, 1e-3, 0.02, 0.15, 0.6, 3.0};
   for (const double one : turns) {
     for (const double other : turns) {

@@ -151,16 +151,16 @@ inline Exponential<Two> exponential(Two x) {
   return {{first.a, second.a}, {first.b, second.b}, {first.c, second.c}};
 }
 
-/// Lanes of many arms take the longer series of those below: what one gets must not depend on the others.
+/// Of lanes none may depend on the others: the longer series serves all that are small.
 template <int N, class Processor>
 Exponential<Pack<N, Processor>> exponential(const Pack<N, Processor>& x) {
   using Real = Pack<N, Processor>;
-  const Exponential<Real> slight = exponential_of_small(x);
-  if (x.all_below(small)) return slight;
+  const Exponential<Real> near = exponential_of_small(x);
+  if (x.all_below(small)) return near;
   const Real within = x.ones_below(small), beyond = 1 - within;
   const auto closed = exponential_by_sine(x, x.root(), [](const Real& half) { return sine_cosine(half); });
-  return {slight.a.where(within) + closed.a.where(beyond), slight.b.where(within) + closed.b.where(beyond),
-          slight.c.where(within) + closed.c.where(beyond)};
+  return {near.a.where(within) + closed.a.where(beyond), near.b.where(within) + closed.b.where(beyond),
+          near.c.where(within) + closed.c.where(beyond)};
 }
 
 /// A₁ of (2).
