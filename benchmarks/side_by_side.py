@@ -1,6 +1,6 @@
 """Arms side by side in vector registers: CPU time of a variant in `simulate_all`, beside its run alone.
 
-The arm of identification.py with 4 and 20 segments, in variants of modulus, payload and hub, all along one drive:
+The arm of identification.py with 4 and 20 segments, in variants of modulus, payload and hub, along one drive:
 
     ratio = CPU seconds of all variants one by one over those of `simulate_all` with one thread       (1)
 

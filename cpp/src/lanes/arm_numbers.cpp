@@ -29,19 +29,18 @@ int count(const auto& things) { return static_cast<int>(things.size()); }
 
 }  // namespace
 
-bool suits(const PlanarArm& arm, const Loads& loads) {
+bool has_three_numbers(const assembly::PlacedLaw& law) { return law.of < 0 && joints::is_linear(law.law); }
+
+bool suits(const PlanarArm& arm, const Loads& loads, bool consistent) {
   const bool others = !arm.gears().empty() || !arm.closures().empty() || !arm.superelements().empty() ||
                       !loads.points.empty() || arm.pedestal().node >= 0;
   if (others) return false;
   for (const auto& beam : arm.beams()) {
     if (beam.grows()) return false;
   }
-  for (const auto& law : arm.laws()) {
-    if (law.of >= 0) return false;
-  }
   const solvers::WeldsIn<2> welds(arm, true);
-  const solvers::TangentChangesIn<2> changes(arm, welds);
-  return changes.follows_constraints() && !changes.any() &&
+  const solvers::TangentChangesIn<2> turns(arm, welds, false);
+  return turns.follows_constraints() && !(consistent && turns.any()) &&
          welds.n_unknowns() <= solvers::KeptFactor::largest_inverse;
 }
 
@@ -62,7 +61,10 @@ bool same_structure(const PlanarArm& one, const PlanarArm& other) {
                         a.coordinate() == b.coordinate();
                }) &&
          alike(one.laws(), other.laws(),
-               [](const auto& a, const auto& b) { return a.plus == b.plus && a.minus == b.minus; }) &&
+               [](const auto& a, const auto& b) {
+                 return a.plus == b.plus && a.minus == b.minus &&
+                        has_three_numbers(a) == has_three_numbers(b);
+               }) &&
          alike(one.joints(), other.joints(),
                [](const auto& a, const auto& b) { return a.theta == b.theta && a.phi == b.phi; }) &&
          alike(one.points(), other.points(),
@@ -95,7 +97,7 @@ void ArmNumbers::lay_out(const PlanarArm& arm) {
     joints_.push_back({joint.node_a(), joint.node_b(), joint.coordinate(), row, folded});
     row += joint.rows();
   }
-  for (const auto& law : arm.laws()) laws_.push_back({law.plus, law.minus});
+  for (const auto& law : arm.laws()) laws_.push_back({law.plus, law.minus, has_three_numbers(law)});
   carriers_ = welds.carriers();
   for (const auto& follower : welds.followers()) followers_.push_back({follower.node, follower.carrier});
   for (const auto& point : arm.points()) point_nodes_.push_back(point.node);
@@ -175,7 +177,8 @@ void ArmNumbers::fill(int lane, const PlanarArm& arm, const Loads& loads) {
   }
   row = 0;
   for (const auto& law : arm.laws()) {
-    const joints::LawResponse at_rest = joints::respond(law.law, 0, 0, {});
+    joints::LawResponse at_rest;
+    if (has_three_numbers(law)) at_rest = joints::respond(law.law, 0, 0, {});
     for (const double number : {at_rest.force, at_rest.stiffness, at_rest.damping}) {
       law_numbers_(row++, lane) = number;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "flexarm/solvers/increment.hpp"
 #include "flexarm/solvers/kept_factor.hpp"
 #include "flexarm/solvers/step_iteration.hpp"
 #include "flexarm/solvers/step_matrix.hpp"
@@ -36,16 +37,27 @@ Stepper::Stepper(const Kernel& kernel, const std::vector<const PlanarArm*>& arms
              .exponent = room(exponent_, n_velocities),
              .r = room(r_, n_velocities),
              .dx = room(dx_, n_unknowns),
+             .law_forces = room(law_forces_, all.n_laws),
              .work = room(work_, 4 * n_unknowns + all.n_scalars),
              .acceleration = room(acceleration_, 2 * all.n_constraints + all.n_scalars)};
   active_ = Rows(1, lanes);
   sizes_ = Rows(1, lanes);
   for (std::size_t k = 0; k < arms.size(); ++k) {
-    lane_.push_back({arms[k], loads[k], states[k], assembly::IterationMatrixIn<2>(*arms[k])});
+    lane_.push_back({arms[k], loads[k], states[k], assembly::IterationMatrixIn<2>(*arms[k]),
+                     solvers::TangentChangesIn<2>(*arms[k], numbers_.welds(static_cast<int>(k)))});
   }
   for (int lane = 0; lane < lanes; ++lane) {
     put(lane, states[lane < static_cast<int>(states.size()) ? static_cast<std::size_t>(lane) : 0]);
   }
+  for (int k = 0; k < all.n_laws; ++k) {
+    if (!all.laws[k].linear) own_laws_.push_back(k);
+  }
+  reduced_.resize(static_cast<std::size_t>(all.n_reduced));
+  for (int k = 0; k < n_unknowns; ++k) {
+    const int row = numbers_.welds(0).row(k);
+    if (row >= 0) reduced_[static_cast<std::size_t>(row)] = k;
+  }
+  for (int lane = 0; lane < static_cast<int>(lane_.size()); ++lane) find_law_forces(lane);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(all.n_scalars);
   drive_ = {zero, zero, zero, zero};
 }
@@ -63,7 +75,7 @@ void Stepper::put(int lane, const State& state) {
 State Stepper::state(int lane) const {
   const Lane& own = lane_[static_cast<std::size_t>(lane)];
   const int lanes = kernel_.lanes;
-  State state = own.start;
+  State state = own.now;
   state.t = t_;
   const auto number = [&](const double* rows, int row) { return rows[lanes * row + lane]; };
   for (std::size_t k = 0; k < state.frames.size(); ++k) {
@@ -76,14 +88,35 @@ State Stepper::state(int lane) const {
   v_dot_.take(0, lane, state.v_dot);
   a_.take(0, lane, state.a);
   multipliers_.take(0, lane, state.multipliers);
-  for (std::size_t k = 0; k < state.laws.size(); ++k) {
-    state.laws[k] = {own.arm->deflection(own.arm->laws()[k], state.s), 0};
-  }
   return state;
+}
+
+/// What laws that are not linear put against the scalar coordinates of a lane.
+void Stepper::find_law_forces(int lane) {
+  Lane& own = lane_[static_cast<std::size_t>(lane)];
+  const int lanes = kernel_.lanes, offset = own.arm->scalar_offset();
+  own.now.t = t_;
+  for (int k = 0; k < own.now.s.size(); ++k) {
+    own.now.s[k] = motion_.s[lanes * k + lane];
+    own.now.v[offset + k] = v_(offset + k, lane);
+  }
+  for (const int k : own_laws_) {
+    law_forces_(k, lane) = own.arm->respond(static_cast<std::size_t>(k), own.now).force;
+  }
+}
+
+/// The increments of a lane with what has changed in its matrix since that was factored.
+void Stepper::follow_changes(int lane, bool again) {
+  Lane& own = lane_[static_cast<std::size_t>(lane)];
+  x_.resize(static_cast<Eigen::Index>(reduced_.size()));
+  for (Eigen::Index k = 0; k < x_.size(); ++k) x_[k] = dx_(reduced_[static_cast<std::size_t>(k)], lane);
+  own.changes.correct(own.now, x_, again);
+  for (Eigen::Index k = 0; k < x_.size(); ++k) dx_(reduced_[static_cast<std::size_t>(k)], lane) = x_[k];
 }
 
 State Stepper::final_state(int lane) const {
   State found = state(lane);
+  if (own_laws_.empty()) solvers::remember_laws(*lane_[static_cast<std::size_t>(lane)].arm, found);
   Loads loads = lane_[static_cast<std::size_t>(lane)].loads;
   loads.torques = drive_.torques;
   numbers_.welds(lane).find_forces(found, loads);
@@ -98,12 +131,14 @@ bool Stepper::factor(int lane, double h) {
   Lane& own = lane_[static_cast<std::size_t>(lane)];
   const State here = state(lane);
   const auto c = solvers::step_factors(coefficients_, h, solvers::constraint_scale(*own.arm));
+  const Eigen::VectorXd law_tangents = own.arm->law_tangents(here, c, true);
   ++own.statistics.factorisations;
-  const auto* S = own.matrix.assemble(here, own.loads, c, own.arm->law_tangents(here, c, true));
+  const auto* S = own.matrix.assemble(here, own.loads, c, law_tangents);
   if (S == nullptr) return false;
   const auto& welds = numbers_.welds(lane);
   solvers::KeptFactor factor;
   if (!factor.factor(welds.any() ? welds.reduce(*S) : *S)) return false;
+  own.changes.keep(here, c, law_tangents, factor.by_substitution());
   return factor.inverse() != nullptr && numbers_.set_inverse(lane, *factor.inverse());
 }
 
@@ -123,12 +158,21 @@ void Stepper::advance(double h, const solvers::Drives& drives) {
   kernel_.predict(numbers_.arms(), motion_, step, drive);
   iterate(step, drive);
   ++steps_;
-  for (Lane& lane : lane_) lane.statistics.steps += lane.runs;
+  for (int k = 0; k < n_lanes; ++k) {
+    Lane& lane = lane_[static_cast<std::size_t>(k)];
+    lane.statistics.steps += lane.runs;
+    if (own_laws_.empty() || !lane.runs) continue;
+    find_law_forces(k);
+    solvers::remember_laws(*lane.arm, lane.now);
+    find_law_forces(k);
+  }
 }
 
 void Stepper::iterate(const Step& step, const Drive& drive) {
   std::vector<StepIteration> iterations;
   iterations.reserve(lane_.size());
+  const int n_lanes = static_cast<int>(lane_.size());
+  const bool changes = lane_.front().changes.any();
   int waited_for = 0;
   for (std::size_t k = 0; k < lane_.size(); ++k) {
     iterations.emplace_back(coefficients_, options_, step.h, steps_, lane_[k].contraction);
@@ -136,9 +180,15 @@ void Stepper::iterate(const Step& step, const Drive& drive) {
     waited_for += lane_[k].runs;
   }
   while (waited_for > 0) {
+    for (int k = 0; k < n_lanes && changes; ++k) {
+      if (active_(0, k) != 0) find_law_forces(k);
+    }
     kernel_.solve(numbers_.arms(), motion_, step, drive);
+    for (int k = 0; k < n_lanes && changes; ++k) {
+      if (active_(0, k) != 0) follow_changes(k, iterations[static_cast<std::size_t>(k)].again());
+    }
     kernel_.correct(numbers_.arms(), motion_, step, active_.data(), sizes_.data());
-    for (int k = 0; k < static_cast<int>(lane_.size()); ++k) {
+    for (int k = 0; k < n_lanes; ++k) {
       if (active_(0, k) == 0) continue;
       Lane& lane = lane_[static_cast<std::size_t>(k)];
       ++lane.statistics.iterations;

@@ -231,7 +231,9 @@ std::vector<std::vector<Planar>> by_structure(const std::vector<Variant>& varian
     if (!plane) continue;
     Planar arm{k, nullptr, plane->part(start.state), plane->part(start.loads)};
     arm.state.t = arm.state.start = options.start;
-    if (!lanes::suits(*plane, arm.loads) || (options.record_points && !points_at_nodes(*plane))) continue;
+    if (!lanes::suits(*plane, arm.loads, options.has_consistent_forces()) ||
+        (options.record_points && !points_at_nodes(*plane)))
+      continue;
     arm.system = std::move(plane);
     const auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<Planar>& other) {
       return lanes::same_structure(*other.front().system, *arm.system) && same_start(other.front(), arm);

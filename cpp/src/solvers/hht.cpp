@@ -122,25 +122,11 @@ bool HhtStepperIn<D>::step(StateIn<D>& state, double h, const Drives& drives) {
     factored_h_ = 0;
     return false;
   }
-  remember(state);
+  remember_laws(system_, state);
   ++statistics_.steps;
   if (follower_) follower_(before_, state, exponent_, h, loads_);
   ++memory_.steps;
   return true;
-}
-
-/// The laws remember the accepted state.
-template <int D>
-void HhtStepperIn<D>::remember(StateIn<D>& state) const {
-  for (std::size_t k = 0; k < state.laws.size(); ++k) {
-    const auto& law = system_.laws()[k];
-    const double x = system_.deflection(law, state.s);
-    double z = 0;
-    if (!joints::acts_at_rest(law.law)) {  // friction alone has an internal state
-      z = system_.respond(k, state).z;
-    }
-    state.laws[k] = {x, z};
-  }
 }
 
 /// State 1 with the accelerations of state 0, so that a₁ = v̇₀ by (2); prescribed coordinates from the drives.

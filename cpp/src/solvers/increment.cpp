@@ -26,6 +26,21 @@ double increment_norm(const SystemIn<D>& system, const Eigen::Ref<const VectorXd
   return std::max(translation / system.reach(), rest);
 }
 
+template <int D>
+void remember_laws(const SystemIn<D>& system, StateIn<D>& state) {
+  for (std::size_t k = 0; k < state.laws.size(); ++k) {
+    const auto& law = system.laws()[k];
+    const double x = system.deflection(law, state.s);
+    double z = 0;
+    if (!joints::acts_at_rest(law.law)) {  // friction alone has an internal state
+      z = system.respond(k, state).z;
+    }
+    state.laws[k] = {x, z};
+  }
+}
+
+template void remember_laws<2>(const SystemIn<2>&, StateIn<2>&);
+template void remember_laws<3>(const SystemIn<3>&, StateIn<3>&);
 template void move<2>(const SystemIn<2>&, const Eigen::Ref<const VectorXd>&, StateIn<2>&);
 template void move<3>(const SystemIn<3>&, const Eigen::Ref<const VectorXd>&, StateIn<3>&);
 template double increment_norm<2>(const SystemIn<2>&, const Eigen::Ref<const VectorXd>&);

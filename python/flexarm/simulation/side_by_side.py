@@ -1,7 +1,7 @@
 """Runs side by side in vector registers: arms of one structure along one drive, whose numbers differ.
 
 A run differs from the one alone by rounding, and does not depend on what is computed beside it. What does not
-fit is left to be run alone: arms that leave their plane, joint laws that are not linear, inner hinges, loops,
+fit is left to be run alone: arms that leave their plane, inner hinges with consistent forces, loops,
 super-elements, points inside elements, derivatives, energies, section forces, rotations.
 """
 

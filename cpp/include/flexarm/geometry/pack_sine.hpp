@@ -2,7 +2,7 @@
 /// Sine and cosine of several numbers at once.
 ///
 /// With k the nearest integer to 2 φ/π, r = φ − k π/2 is found by π/2 in three parts, of which the products
-/// with k are exact up to k = 1e6, and sine and cosine of |r| ≤ π/4 by the polynomials of [FDLIBM]:
+/// with k are exact up to k = 1e6, and sine and cosine of |r| ≤ π/4 by the polynomials of [Sun1993]:
 ///
 ///     sin φ, cos φ = sin r, cos r;  cos r, −sin r;  −sin r, −cos r;  −cos r, sin r   for k mod 4 = 0, 1, 2,
 ///     3  (1)

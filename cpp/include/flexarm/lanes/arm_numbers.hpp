@@ -17,9 +17,12 @@ using PlanarArm = assembly::SystemIn<2>;
 using State = assembly::StateIn<2>;
 using Loads = assembly::LoadsIn<2>;
 
-/// Whether an arm can step beside others of its structure: beams, rigid bodies and linear laws alone, of
-/// which the iteration matrix hardly changes while the arm moves.
-bool suits(const PlanarArm& arm, const Loads& loads);
+/// Whether an arm can step beside others of its structure: it has beams, rigid bodies and joints in a tree.
+/// For `consistent` forces no inner hinge may turn.
+bool suits(const PlanarArm& arm, const Loads& loads, bool consistent);
+
+/// Whether the force of a law follows from its deflection and rate by three numbers.
+bool has_three_numbers(const assembly::PlacedLaw& law);
 
 /// Whether two arms differ in numbers only.
 bool same_structure(const PlanarArm& one, const PlanarArm& other);

@@ -111,14 +111,17 @@ class KernelCode {
     const int offset = n * arms.n_nodes;
     for (int k = 0; k < arms.n_scalars; ++k) put(r, k, at(arms.scalar_inertia, k) * at(v_dot, k));
     for (int k = 0; k < arms.n_laws; ++k) {
-      const auto [plus, minus] = arms.laws[k];
-      Real x = at(motion.s, plus), rate = at(motion.v, offset + plus);
-      if (minus >= 0) {
-        x -= at(motion.s, minus);
-        rate -= at(motion.v, offset + minus);
+      const auto [plus, minus, linear] = arms.laws[k];
+      Real force = at(motion.law_forces, k);
+      if (linear) {
+        Real x = at(motion.s, plus), rate = at(motion.v, offset + plus);
+        if (minus >= 0) {
+          x -= at(motion.s, minus);
+          rate -= at(motion.v, offset + minus);
+        }
+        force = at(arms.law_numbers, 3 * k) + at(arms.law_numbers, 3 * k + 1) * x +
+                at(arms.law_numbers, 3 * k + 2) * rate;
       }
-      const Real force = at(arms.law_numbers, 3 * k) + at(arms.law_numbers, 3 * k + 1) * x +
-                         at(arms.law_numbers, 3 * k + 2) * rate;
       add(r, plus, force);
       if (minus >= 0) add(r, minus, -force);
     }

@@ -17,9 +17,11 @@ struct JointPlace {
   bool folded;  ///< takes no part in steps (solvers/welds.hpp)
 };
 
-/// A linear law between scalar coordinates: plus less minus, or plus alone (−1).
+/// A law between scalar coordinates: plus less minus, or plus alone (−1). Linear laws have numbers; of others
+/// the force is given with the motion.
 struct LawPlace {
   int plus, minus;
+  bool linear;
 };
 
 /// A node that follows another one (solvers/welds.hpp); −1: the base.
@@ -87,6 +89,7 @@ struct Motion {
   double* exponent;      ///< of free velocities
   double* r;             ///< of all velocities
   double* dx;            ///< of all unknowns: residuals, then increments
+  double* law_forces;    ///< of each law; read where it is not linear
   double* work;          ///< twice as many rows as there are unknowns
   double* acceleration;  ///< Φ'', then what `consistent` makes of it
 };

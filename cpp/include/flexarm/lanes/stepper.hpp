@@ -2,8 +2,9 @@
 /// Planar arms of one structure that step together, one a lane of vector registers.
 ///
 /// Each lane makes the steps of solvers/hht.hpp: it stops iterating by its own increments and waits for the
-/// others, and no number of it depends on theirs, so that an arm moves the same way in any company. What goes
-/// beyond, an iteration that fails, leaves the lane: its arm is to run alone.
+/// others, and no number of it depends on theirs, so that an arm moves the same way in any company. Laws that
+/// are not linear, and inner hinges, are followed lane by lane (solvers/tangent_changes.hpp). Where an
+/// iteration fails, the arm leaves its lane: it is to run alone.
 #pragma once
 
 #include <vector>
@@ -11,6 +12,7 @@
 #include "flexarm/assembly/iteration_matrix.hpp"
 #include "flexarm/lanes/arm_numbers.hpp"
 #include "flexarm/solvers/hht.hpp"
+#include "flexarm/solvers/tangent_changes.hpp"
 
 namespace flexarm::lanes {
 
@@ -45,14 +47,17 @@ class Stepper {
   struct Lane {
     const PlanarArm* arm;
     Loads loads;
-    State start;
+    State now;  // as it started, but for what laws need
     assembly::IterationMatrixIn<2> matrix;
+    solvers::TangentChangesIn<2> changes;
     bool runs = true;
     double contraction = 0.5;
     solvers::HhtStatistics statistics = {};
   };
 
   void put(int lane, const State& state);
+  void find_law_forces(int lane);
+  void follow_changes(int lane, bool again);
   bool factor(int lane, double h);
   void iterate(const Step& step, const Drive& drive);
 
@@ -65,7 +70,10 @@ class Stepper {
   long steps_ = 0;
   solvers::DriveValues drive_;
   Rows frames_, frames_before_, s_, s_before_, v_, v_dot_, a_, multipliers_, exponent_, r_, dx_, work_,
-      acceleration_, active_, sizes_;
+      acceleration_, law_forces_, active_, sizes_;
+  Eigen::VectorXd x_;          // scratch
+  std::vector<int> reduced_;   // the unknown of each of the reduced ones
+  std::vector<int> own_laws_;  // whose forces are found lane by lane
   Motion motion_;
 };
 

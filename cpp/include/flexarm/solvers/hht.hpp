@@ -140,7 +140,6 @@ class HhtStepperIn {
  private:
   bool step(StateIn<D>& state, double h, const Drives& drives);
   void set_aside(StateIn<D>& state);
-  void remember(StateIn<D>& state) const;
   bool iterate(StateIn<D>& state, double h);
   void predict(StateIn<D>& state, double h);
   void correct(StateIn<D>& state, double h);

@@ -19,4 +19,8 @@ void move(const SystemIn<D>& system, const Eigen::Ref<const VectorXd>& dx, State
 template <int D>
 double increment_norm(const SystemIn<D>& system, const Eigen::Ref<const VectorXd>& dx);
 
+/// Lets the laws remember a state that is accepted.
+template <int D>
+void remember_laws(const SystemIn<D>& system, StateIn<D>& state);
+
 }  // namespace flexarm::solvers
