@@ -10,7 +10,7 @@ from arms import TUBE, beam, hinge, point
 
 import flexarm
 from flexarm.campaigns.job import Job, Task
-from flexarm.campaigns.outcome import Variable
+from flexarm.campaigns.outcome import Runner, Variable
 from flexarm.campaigns.sampling import Distribution
 from flexarm.campaigns.study import Study
 from flexarm.campaigns.variation import Variation, variation_of
@@ -87,7 +87,7 @@ def study_in(folder: Path, text: str = SIMULATED) -> Path:
 
 
 @dataclass
-class LoggedRun:
+class LoggedRun(Runner):
     """A run that takes a while, tells in a file that it was made, and may kill its process.
 
     Attributes

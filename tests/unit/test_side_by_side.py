@@ -80,7 +80,9 @@ def elbowed(rng: np.random.Generator) -> flexarm.Arm:
         {
             "joints": [hinge("hinge", "rod"), hinge("elbow", "tail", "rod", at="end")],
             "links": [beam("rod", [0, 0, rng.uniform(1, 2)], TUBE), beam("tail", [0.7, 0, 0], TUBE)],
-            "payloads": [{"name": "load", "link": "tail", "position": [0.7, 0, 0], "mass": rng.uniform(2, 9)}],
+            "payloads": [
+                {"name": "load", "link": "tail", "position": [0.7, 0, 0], "mass": rng.uniform(2, 9)}
+            ],
             "points": [point("tip", "tail", [0.7, 0, 0])],
             "effects": [compliance("hinge", rng.uniform(2e4, 9e4), 90), compliance("elbow", 3e4, 60)],
         }
