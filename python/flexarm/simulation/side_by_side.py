@@ -1,8 +1,9 @@
 """Runs side by side in vector registers: arms of one structure along one drive, whose numbers differ.
 
-A run differs from the one alone by rounding, and does not depend on what is computed beside it. What does not
-fit is left to be run alone: arms that leave their plane, inner hinges with consistent forces, loops,
-super-elements, points inside elements, derivatives, energies, section forces, rotations.
+A run differs from the one alone by rounding, and where the end of a step's iteration hangs on that, by a part
+of its tolerance. It does not depend on what is computed beside it. What does not fit is left to be run alone:
+arms that leave their plane, inner hinges with consistent forces, loops, super-elements, points inside
+elements, derivatives, energies, section forces, rotations.
 """
 
 from __future__ import annotations

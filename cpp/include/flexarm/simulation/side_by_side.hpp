@@ -20,7 +20,8 @@ struct Variant {
 
 /// Runs along the same drives with the same options; nothing for an arm that is to run alone: one that does
 /// not move in a plane or does not suit (lanes/arm_numbers.hpp), or whose iteration failed. A run differs
-/// from `simulate` by rounding, and by no bit with what else is in `variants`.
+/// from `simulate` by rounding, and where the end of an iteration hangs on that, by a part of its tolerance;
+/// by no bit with what else is in `variants`.
 /// @throws InvalidParameter as `simulate`.
 std::vector<std::optional<Transient>> simulate_side_by_side(const std::vector<Variant>& variants,
                                                             const std::vector<PiecewisePolynomial>& drives,
