@@ -32,10 +32,8 @@ target_include_directories(
   flexarm_common PUBLIC ${PROJECT_SOURCE_DIR}/cpp/include PRIVATE ${PROJECT_BINARY_DIR}/generated
 )
 target_link_libraries(flexarm_common PUBLIC flexarm_eigen flexarm_suitesparse Threads::Threads PRIVATE flexarm_options)
-if(FLEXARM_PCH)
-  target_precompile_headers(flexarm_common PRIVATE <Eigen/Dense> <Eigen/SparseCore> <functional> <string> <vector>)
-  set(CMAKE_CXX_COMPILE_OPTIONS_PIE -fPIC) # as in flexarm_common, so that the tests can read what it precompiled
-endif()
+target_precompile_headers(flexarm_common PRIVATE <Eigen/Dense> <Eigen/SparseCore> <functional> <string> <vector>)
+set(CMAKE_CXX_COMPILE_OPTIONS_PIE -fPIC) # as in flexarm_common, so that the tests can read what it precompiled
 
 # add_core(name [libraries that factorise])
 function(add_core name)

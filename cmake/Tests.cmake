@@ -5,12 +5,11 @@ find_package(doctest REQUIRED)
 file(GLOB_RECURSE test_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cpp/tests/*.cpp)
 add_library(flexarm_test_objects OBJECT ${test_sources})
 target_link_libraries(flexarm_test_objects PRIVATE flexarm_common flexarm_options doctest::doctest)
+set_target_properties(flexarm_test_objects PROPERTIES UNITY_BUILD OFF) # each file has helpers of its own
 target_include_directories(flexarm_test_objects PRIVATE ${PROJECT_SOURCE_DIR}/cpp/tests)
 # A fifth to a third less to compile; the library that they test keeps its own options.
 target_compile_options(flexarm_test_objects PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
-if(FLEXARM_PCH)
-  target_precompile_headers(flexarm_test_objects REUSE_FROM flexarm_common)
-endif()
+target_precompile_headers(flexarm_test_objects REUSE_FROM flexarm_common)
 
 # add_tests(executable core [prefix of the names])
 function(add_tests executable core)

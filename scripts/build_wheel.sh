@@ -17,7 +17,7 @@ fi
 raw="build/wheel/raw/$kind"
 rm -rf "$raw" && mkdir -p "$raw" "$folder"
 "$python" -m pip wheel . --quiet --no-deps --no-build-isolation --wheel-dir "$raw" -C build-dir=build/wheel/cmake \
-  -C cmake.define.FLEXARM_SUITESPARSE="$suitesparse" -C cmake.define.FLEXARM_PCH=ON
+  -C cmake.define.FLEXARM_SUITESPARSE="$suitesparse"
 if [[ "$kind" == full ]]; then
   "$python" scripts/label_full_wheel.py "$raw"
 fi

@@ -68,9 +68,9 @@ void bind_model(py::module_& m) {
            }),
            py::kw_only(), py::arg("name"), py::arg("link"), py::arg("position") = Vector3d::Zero(),
            py::arg("mass"), py::arg("inertia") = Matrix3d::Zero(), py::arg("offset") = Vector3d::Zero());
-  py::class_<Point>(m, "Point", "A place to look at, or to push at.")
+  py::class_<flexarm::model::Point>(m, "Point", "A place to look at, or to push at.")
       .def(py::init([](std::string name, std::string link, const Vector3d& position, bool loaded) {
-             return Point{std::move(name), std::move(link), position, loaded};
+             return flexarm::model::Point{std::move(name), std::move(link), position, loaded};
            }),
            py::kw_only(), py::arg("name"), py::arg("link"), py::arg("position") = Vector3d::Zero(),
            py::arg("loaded") = false);
@@ -128,9 +128,10 @@ void bind_model(py::module_& m) {
            py::arg("bearing") = flexarm::joints::DriveTrain::Parallel{});
   py::class_<Arm>(m, "Arm", "An arm as plain data.")
       .def(py::init([](std::string name, const Vector3d& gravity, std::vector<Link> links,
-                       std::vector<Joint> joints, std::vector<Payload> payloads, std::vector<Point> points,
-                       std::vector<Gear> gears, std::optional<Pedestal> pedestal,
-                       std::vector<Closure> closures, std::map<std::string, double> assembly) {
+                       std::vector<Joint> joints, std::vector<Payload> payloads,
+                       std::vector<flexarm::model::Point> points, std::vector<Gear> gears,
+                       std::optional<Pedestal> pedestal, std::vector<Closure> closures,
+                       std::map<std::string, double> assembly) {
              return Arm{std::move(name),     gravity,
                         std::move(links),    std::move(joints),
                         std::move(payloads), std::move(points),

@@ -59,9 +59,9 @@ class SharedMatrix {
 
 /// Runs without the interpreter's lock; takes it for signals (Ctrl-C) and the caller's progress, whose
 /// exceptions end the work.
-ReducedPart run(const py::object& stiffness, const py::object& mass, const Coordinates& coordinates,
-                const std::vector<Interface>& interfaces, int modes, double max_frequency,
-                const py::object& progress) {
+ReducedPart reduce_matrices(const py::object& stiffness, const py::object& mass,
+                            const Coordinates& coordinates, const std::vector<Interface>& interfaces,
+                            int modes, double max_frequency, const py::object& progress) {
   const SharedMatrix K(stiffness, "stiffness"), M(mass, "mass");
   const ReductionProgress poll = [&](const char* phase, double done) {
     const py::gil_scoped_acquire lock;
@@ -145,7 +145,7 @@ void bind_reduction(py::module_& m) {
       .def_readonly("recovery", &ReducedPart::recovery, "(3 n_points, dof)")
       .def_readonly("quality", &ReducedPart::quality)
       .def_readonly("statistics", &ReducedPart::statistics);
-  m.def("reduce_part", &run, "Craig-Bampton (modes) or Guyan (none) reduction of a free part.",
+  m.def("reduce_part", &reduce_matrices, "Craig-Bampton (modes) or Guyan (none) reduction of a free part.",
         py::arg("stiffness"), py::arg("mass"), py::arg("coordinates"), py::arg("interfaces"),
         py::arg("modes") = 0, py::arg("max_frequency") = 0.0, py::arg("progress") = py::none());
 }

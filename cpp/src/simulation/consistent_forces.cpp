@@ -6,9 +6,6 @@
 namespace flexarm::simulation {
 namespace {
 
-// Coordinates without mass get this part of the largest one: they take next to no force, and (2) stays
-// regular.
-constexpr double nearly_massless = 1e-12;
 // Refinement ends at this part of the solution and of 1 m/s²; A is factored anew above this rate, or after so
 // many steps.
 constexpr double refined = 1e-10, slow_contraction = 0.25;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "flexarm/simulation/consistent_forces.hpp"
 #include "flexarm/solvers/kept_factor.hpp"
 
 namespace flexarm::simulation {
@@ -9,8 +10,8 @@ namespace {
 
 using SpatialSystem = assembly::SystemIn<3>;
 
-/// Coordinates without mass get this part of the largest one, and may take this part of the forces.
-constexpr double nearly_massless = 1e-12, left_over = 1e-6;
+/// Coordinates without mass may take this part of the forces.
+constexpr double left_over = 1e-6;
 
 bool driven_by_torque(const System& system) {
   return std::ranges::any_of(system.drives(),

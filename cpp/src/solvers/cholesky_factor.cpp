@@ -27,11 +27,11 @@ CholeskyFactor::CholeskyFactor(const LowerTriangle& A) : backend_(std::make_uniq
   nodes = supernodes(A);
   const double ordered = seconds();
   backend_->L = std::make_unique<SupernodalFactor>(A, nodes);
-  const Pivots& pivots = backend_->L->pivots();
-  if (!(pivots.worst > smallest_pivot))
+  const LeastPivot& least = backend_->L->least_pivot();
+  if (!(least.part > smallest_pivot))
     throw NotPositiveDefinite(
-        "a symmetric matrix must be positive definite, row " + std::to_string(pivots.column) + " is not",
-        pivots.column);
+        "a symmetric matrix must be positive definite, row " + std::to_string(least.column) + " is not",
+        least.column);
   report_.backend = "supernodal";
   report_.ordering = nodes.found.metis ? "METIS" : "AMD";
   report_.blas = loaded_blas();

@@ -138,7 +138,7 @@ class SupernodalFactor::Fronts {
   bool note(int k, double pivot) {
     const int column = nodes_.order[k];
     const double part = pivot / std::abs(diagonal_[column]);
-    if (!(part >= factor_.pivots_.worst)) factor_.pivots_ = {part, column};
+    if (!(part >= factor_.least_pivot_.part)) factor_.least_pivot_ = {part, column};
     return pivot > 0;
   }
 
@@ -159,7 +159,7 @@ SupernodalFactor::SupernodalFactor(const LowerTriangle& A, const Supernodes& nod
   L_.reset(zeros(total));
   scatter(A);
   const Eigen::VectorXd own = diagonal(A);
-  pivots_.column = nodes.order.empty() ? 0 : nodes.order[0];
+  least_pivot_.column = nodes.order.empty() ? 0 : nodes.order[0];
   Fronts fronts(*this, own);
   for (int s = 0; s < nodes.count(); ++s)
     if (!fronts.eliminate(s)) return;

@@ -24,6 +24,10 @@ struct InverseTangentCoefficients {
 };
 template <int D>
 InverseTangentCoefficients inverse_tangent_coefficients(double phi_squared);
+template <>
+InverseTangentCoefficients inverse_tangent_coefficients<2>(double phi_squared);
+template <>
+InverseTangentCoefficients inverse_tangent_coefficients<3>(double phi_squared);
 
 /// Equations (3), (4) and their mirror image T_l⁻¹(h) = T_r⁻¹(−h).
 template <int D>

@@ -37,6 +37,10 @@
 
 namespace flexarm::simulation {
 
+/// Coordinates without mass get this part of the largest one: they take next to no force, and (2) stays
+/// regular.
+constexpr double nearly_massless = 1e-12;
+
 template <int D>
 class ConsistentForcesIn {
  public:

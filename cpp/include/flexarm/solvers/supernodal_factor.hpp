@@ -17,19 +17,19 @@
 
 namespace flexarm::solvers {
 
-/// Pivots as parts of the diagonal of A, L_jj²/A_jj.
-struct Pivots {
-  double worst = 1;
+/// The least pivot as a part of the diagonal of A, L_jj²/A_jj.
+struct LeastPivot {
+  double part = 1;
   Eigen::Index column = 0;  ///< of A
 };
 
 class SupernodalFactor {
  public:
-  /// Ends early, with a worst pivot of zero, less or not a number, where a pivot is not positive. Refers to
+  /// Ends early, with a least pivot of zero, less or not a number, where a pivot is not positive. Refers to
   /// `nodes`.
   SupernodalFactor(const LowerTriangle& A, const Supernodes& nodes);
 
-  const Pivots& pivots() const { return pivots_; }
+  const LeastPivot& least_pivot() const { return least_pivot_; }
 
   /// X := A⁻¹ X.
   void solve(Eigen::Ref<Eigen::MatrixXd> X) const;
@@ -47,7 +47,7 @@ class SupernodalFactor {
   const Supernodes& nodes_;
   std::vector<std::ptrdiff_t> start_;  // of each supernode's columns, diagonal block on top
   Memory L_;
-  Pivots pivots_;
+  LeastPivot least_pivot_;
 };
 
 }  // namespace flexarm::solvers
