@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from arms import TUBE, beam, fixed, hinge, point, rigid
 from browser import needs_chromium, visit
+from matplotlib.text import Text
 
 import flexarm
 from flexarm import Arm
@@ -254,6 +255,29 @@ def test_plain_pictures_draw_arms_and_name_modes(run):
     with pytest.raises(InvalidParameter, match="point: there is no point 'top'; there are tip"):
         run.plot("top")
     plt.close("all")
+
+
+@pytest.mark.parametrize("count", [1, 3, 7])
+def test_names_in_a_picture_cover_none_of_each_other(count):
+    links = [f"link_{k}" for k in range(count)]
+    ends = {name: [0, 0, 0.35 if k % 2 else 0.05] for k, name in enumerate(links)}
+    arm = Arm.from_dict(
+        {
+            "name": f"{count} joints",
+            "joints": [hinge("joint_0", links[0])]
+            + [hinge(f"joint_{k}", links[k], links[k - 1], at="end") for k in range(1, count)],
+            "links": [beam(name, end, TUBE) for name, end in ends.items()],
+            "points": [point(f"target_{k}", name, ends[name]) for k, name in enumerate(links)],
+            "payloads": [
+                {"name": name, "link": links[-1], "position": [0, 0, 0], "mass": 2} for name in "ab"
+            ],
+        }
+    )
+    axes = arm.plot(joints={joint.name: 0.4 for joint in arm.moving_joints})
+    axes.figure.draw_without_rendering()
+    boxes = [Text.get_window_extent(name) for name in axes.texts]
+    assert len(boxes) == 2 * count + 2
+    assert not any(one.overlaps(other) for k, one in enumerate(boxes) for other in boxes[:k])
 
 
 def test_a_missing_extra_names_the_command_that_installs_it(monkeypatch):

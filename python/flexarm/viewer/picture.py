@@ -78,8 +78,6 @@ def _one(scene: Scene, clip: int, ax: Axes | None, names: bool = True) -> Axes:
             _fill(axes, skin, corners, 0.35, zorder=1)
         elif skin.layer in (*OF_LINKS, "joints", "points", "base", "gravity") and skin.faces.shape[1] == 3:
             _fill(axes, skin, corners, 1.0, zorder=3 if skin.layer in ("joints", "points") else 2)
-    if names:
-        _names(axes, scene, shown.poses.R[frame], shown.poses.x[frame], (first, second))
     ghost = next((layer for layer in scene.layers if layer.name in GHOSTS), None)
     if ghost is not None:
         axes.plot([], [], color=STYLE.ghost, alpha=0.5, lw=4, label=ghost.text)
@@ -91,6 +89,8 @@ def _one(scene: Scene, clip: int, ax: Axes | None, names: bool = True) -> Axes:
     axes.margins(0.15)  # room for names
     axes.set_aspect("equal", adjustable="datalim")
     axes.autoscale_view()
+    if names:
+        _names(axes, scene, shown.poses.R[frame], shown.poses.x[frame], (first, second))
     return axes
 
 
@@ -115,28 +115,48 @@ def _fill(axes: Axes, skin: Skin, corners: Floats, opacity: float, zorder: float
 
 
 def _names(axes: Axes, scene: Scene, R: Floats, x: Floats, plane: tuple[int, int]) -> None:
-    taken: dict[tuple[int, int], int] = {}
-    size = max(float(np.ptp(x, axis=0).max()), 1e-9)
-    for label in scene.labels:
-        if label.layer not in NAMED:
-            continue
+    """Write names next to their places, where they cover no other name, inside the axes if they can."""
+    from matplotlib.text import Text
+    from matplotlib.transforms import Bbox
+
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    figure.draw_without_rendering()  # limits of the axes and sizes of texts are known from here on
+    inside, pixels = axes.get_window_extent().padded(-2), figure.dpi / 72  # [px], [px/pt]
+    taken: list[Bbox] = []
+    for label in (each for each in scene.labels if each.layer in NAMED):
         place = np.array(label.place)
         at = place if label.bone < 0 else x[label.bone] + R[label.bone] @ place
-        u, v = at[list(plane)]
-        cell = (round(12 * u / size), round(12 * v / size))
-        down = taken.get(cell, 0)
-        taken[cell] = down + 1
         colour = {"joints": STYLE.axis, "payloads": "#9a5a0a"}.get(label.layer, STYLE.points)
-        axes.annotate(
+        name = axes.annotate(
             label.text,
-            (u, v),
-            xytext=(8, 4 - 11 * down),
+            tuple(at[list(plane)]),
+            xytext=(0, 0),
             textcoords="offset points",
             fontsize=8,
             color=colour,
             bbox={"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 0.5},
+            arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.5},
             zorder=5,
         )
+        name.get_window_extent()  # of name and line together: it puts the text at its place
+        own = Text.get_window_extent(name).padded(1)
+        rows = sorted(range(-len(taken), len(taken) + 1), key=abs)
+        offsets = [(right, 4 - 11 * row) for row in rows for right in (8, -8 - own.width / pixels)]
+        free = []
+        for offset in offsets:
+            box = Bbox.from_bounds(
+                own.x0 + pixels * offset[0], own.y0 + pixels * offset[1], own.width, own.height
+            )
+            if not any(box.overlaps(other) for other in taken):
+                outside = Bbox.union([box, inside]).width * Bbox.union([box, inside]).height
+                free.append((outside > 1.0001 * inside.width * inside.height, offset, box))
+        _, offset, box = min(free, key=lambda each: each[0])
+        name.set_position(offset)
+        name.set_in_layout(False)  # or the axes would shrink, and places under names move
+        if name.arrow_patch is not None:
+            name.arrow_patch.set_visible(abs(offset[1] - 4) > 11)
+        taken.append(box)
 
 
 def _wrapped(text: str) -> str:
