@@ -98,7 +98,8 @@ TEST_CASE("A motor let go turns as one whose angle is prescribed along the same 
         simulate(told, rest, {PiecewisePolynomial({0, 0.4}, quintic)}, {.end = n * h, .step = h});
     SampledRun free(let, released(told, rest, let), {{}}, {.end = n * h, .step = h});
     for (int k = 1; k <= n; ++k) free.advance(prescribed.motor_torque.col(k), 1);
-    CHECK(free.drive_angles()[0] == near(prescribed.drive_angle(0, n), 1e-6));
+    // The torque at the end of the first step holds from its start: 0.45 h² of the jerk, over the run.
+    CHECK(free.drive_angles()[0] == near(prescribed.drive_angle(0, n), 1e-5));
     CHECK(error(free.point_position(0), prescribed.position.col(n)) < 1e-5);
   }
 }
