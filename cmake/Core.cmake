@@ -8,9 +8,11 @@ list(TRANSFORM backend_sources APPEND .cpp)
 list(REMOVE_ITEM core_sources ${backend_sources})
 
 # Code of arms side by side is compiled once for each kind of processor and chosen when it runs. It shares no function
-# with other code, or the linker might take one for every processor; so it takes no precompiled header either.
+# with other code, or the linker might take one for every processor; so it takes no precompiled header either. Builds
+# for debugging and sanitizers leave functions out of line that all code shares: there arms run alone.
 set(lane_sources "")
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$" AND CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$")
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$" AND CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang)$"
+   AND CMAKE_BUILD_TYPE MATCHES "^Rel" AND NOT FLEXARM_SANITIZE)
   set(avx2 -mavx2 -mfma)
   set(avx512 -mavx512f -mavx512dq -mavx512vl -mfma -mprefer-vector-width=512)
   foreach(processor avx2 avx512)
