@@ -20,8 +20,6 @@ using lanes::Rows;
 
 /// Instants that are kept in the lanes' order before they go to the runs.
 constexpr Eigen::Index instants_at_once = 32;
-/// The callback comes so often at most.
-constexpr double seconds_between_calls = 0.02;
 
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }

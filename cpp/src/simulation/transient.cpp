@@ -15,7 +15,6 @@ using Clock = std::chrono::steady_clock;
 
 /// Steps between two looks at the clock; the callback itself comes ten times a second or more often.
 constexpr long steps_between_looks = 32;
-constexpr double seconds_between_calls = 0.02;
 /// More would not fit into any memory, nor their number into every index.
 constexpr long most_steps = 1'000'000'000;
 

@@ -65,6 +65,9 @@ struct Transient {
 /// Told now and then how much is done, 0 to 1; returns false to cancel.
 using Progress = std::function<bool(double done)>;
 
+/// It is called so often at most.
+constexpr double seconds_between_calls = 0.02;
+
 /// Somebody who walks along with a run: told of every step that is taken, and of every instant recorded.
 template <int D>
 struct CompanionIn {
