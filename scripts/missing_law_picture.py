@@ -12,8 +12,8 @@ sys.path.append(str(ROOT / "tests" / "helpers"))
 import hidden_causes  # noqa: E402
 from hidden_pendulum import Study  # noqa: E402
 
+from flexarm.report.evidence_figures import draw_law  # noqa: E402
 from flexarm.report.files import style  # noqa: E402
-from flexarm.report.law_figures import draw_law  # noqa: E402
 
 CAUSES = {
     "a bearing that rubs": hidden_causes.rubbing(),

@@ -98,7 +98,7 @@ class Calibration(BeforeAfter, SavedAsDirectory):
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the object of `calibration.json`, checked against its format."""
-        from flexarm.report.calibration_file import calibration_dict
+        from flexarm.report.calibration import calibration_dict
 
         return calibration_dict(self)
 
@@ -123,7 +123,7 @@ class Calibration(BeforeAfter, SavedAsDirectory):
         InvalidParameter
             If there is no such record, or nothing in it was compared.
         """
-        from flexarm.report.gap_curves import plot
+        from flexarm.report.gap_figures import plot
 
         return plot(self, ax, record)
 

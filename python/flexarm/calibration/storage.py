@@ -13,8 +13,7 @@ from flexarm.calibration.estimates import (
     ChiSquare,
     matrix,
 )
-from flexarm.report.calibration import KIND, REPORT
-from flexarm.report.calibration_file import CalibrationFile
+from flexarm.report.calibration import KIND, REPORT, CalibrationFile
 from flexarm.report.storage import GAPS, MODEL, stored_gaps, stored_object, tuple_of
 
 

@@ -206,7 +206,7 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
 
     def summary(self) -> str:
         """Verdict, effects with 90 % intervals, rivals, gap, and what to measure next, as text."""
-        from flexarm.report.summary import summary
+        from flexarm.report.diagnosis import summary
 
         return summary(self)
 
@@ -225,7 +225,7 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
         InvalidParameter
             If there is no such record, or nothing in it was compared.
         """
-        from flexarm.report.gap_curves import plot
+        from flexarm.report.gap_figures import plot
 
         return plot(self, ax, record)
 

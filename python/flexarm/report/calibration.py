@@ -1,26 +1,30 @@
-"""A calibration as a directory (JSON, page, updated.toml, gaps.nc, figures) and as text in a terminal."""
+"""A calibration as a directory (JSON, page, updated.toml, gaps.nc, figures) and as text in a terminal.
+
+Programs read `calibration.json`, format `flexarm-calibration/1`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict
 from math import exp
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
 
 from flexarm.comparison.comparison import frame_words
+from flexarm.json_values import plain
 from flexarm.named_effects import Estimate
 from flexarm.netcdf import save
 from flexarm.output import PAGE, stems, write_file
-from flexarm.report.files import Drawing, drawn, filled, write_files
-from flexarm.report.gap_curves import AFTER, sides
-from flexarm.report.gap_figures import gap_along
-from flexarm.report.gap_tables import gap_tables
-from flexarm.report.report_file import provenance_of
-from flexarm.report.sheets import WIDTH, log_if_wide, margin_for, sheet
+from flexarm.report.diagnosis import gap_lines, wrapped
+from flexarm.report.files import WIDTH, Drawing, drawn, filled, log_if_wide, margin_for, sheet, write_files
+from flexarm.report.gap_figures import AFTER, gap_along, sides
+from flexarm.report.report_file import Entry, GapsEntry, Known, gaps_of, provenance_of
+from flexarm.report.sentences import gap_tables
 from flexarm.report.storage import GAPS, MODEL, gap_contents
-from flexarm.report.summary import gap_lines, wrapped
 from flexarm.wording import effect_words, interval, listed, number, scale, with_unit
 
 if TYPE_CHECKING:
@@ -28,6 +32,7 @@ if TYPE_CHECKING:
 
     from flexarm.calibration.estimates import CalibratedFamily, CalibratedParameter
     from flexarm.calibration.result import Calibration
+
 
 REPORT, KIND = "calibration.json", "calibration"
 
@@ -210,3 +215,120 @@ def _table(rows: list[tuple[str, str, str, str, str]]) -> list[str]:
         f"  {name:<{widths[0]}}  {value:>{widths[1]}} {unit:<{widths[3]}}  {ends:>{widths[2]}}  {share:>5}"
         for name, value, ends, unit, share in rows
     ]
+
+
+FORMAT = "flexarm-calibration/1"
+
+
+class RangeEntry(Entry):
+    """A value with its 90 % interval."""
+
+    value: float
+    low90: Known
+    high90: Known
+
+
+class ParameterEntry(Entry):
+    """An estimate; `name` is the key of the model's parameter."""
+
+    name: str
+    kind: Literal["family", "nominal", "clock", "frame", "base"]
+    value: float
+    std: Known
+    low90: Known
+    high90: Known
+    unit: str
+    prior: RangeEntry
+    identifiability: Annotated[float, Field(ge=0, le=1)]
+    family: str
+
+
+class FamilyEntry(Entry):
+    """A family of effects."""
+
+    effect: str
+    parameter: str
+    unit: str
+    at: list[str]
+    shared: RangeEntry | None
+    spread: float
+
+
+class FrameEntry(Entry):
+    """Pose of a frame of measurement in the base."""
+
+    name: str
+    xyz: list[float]
+    rpy: list[float]
+
+
+class CorrelationsEntry(Entry):
+    """Correlations of the parameters, in their order."""
+
+    parameters: list[str]
+    matrix: list[list[float]]
+
+
+class ChiSquareEntry(Entry):
+    """Goodness of fit."""
+
+    value: float
+    rows: int
+    parameters: float
+    reduced: float
+    inflation: dict[str, float]
+
+
+class ProvenanceEntry(Entry):
+    """Where the calibration comes from."""
+
+    version: str
+    git: str
+    inputs_sha256: dict[str, str]
+    step: float
+    seconds: float
+
+
+class DetailsEntry(Entry):
+    """Records, and sentences for a person."""
+
+    training: list[str]
+    held_out: list[str]
+    hold_out_kind: str
+    remarks: list[str]
+
+
+class CalibrationFile(BaseModel):
+    """The whole file."""
+
+    model_config = ConfigDict(extra="forbid")
+    format: Literal["flexarm-calibration/1"]
+    parameters: list[ParameterEntry]
+    families: list[FamilyEntry]
+    correlations: CorrelationsEntry
+    frames: list[FrameEntry]
+    chi_square: ChiSquareEntry
+    gap: GapsEntry
+    provenance: ProvenanceEntry
+    details: DetailsEntry
+
+
+def calibration_dict(found: Calibration) -> dict[str, Any]:
+    """Return the object of `calibration.json`, checked against the format."""
+    digits = 4  # of a correlation: more are noise
+    provenance = provenance_of(found.provenance)
+    content = {
+        "format": FORMAT,
+        "parameters": [asdict(each) for each in found.parameters],
+        "families": [asdict(each) for each in found.families],
+        "correlations": {
+            "parameters": [each.name for each in found.parameters],
+            "matrix": found.correlations.round(digits),
+        },
+        "frames": [asdict(each) for each in found.frames],
+        "chi_square": {**asdict(found.chi_square), "reduced": found.chi_square.reduced},
+        "gap": gaps_of(found),
+        "provenance": {key: provenance[key] for key in ProvenanceEntry.model_fields},
+        "details": {key: getattr(found, key) for key in DetailsEntry.model_fields},
+    }
+    return CalibrationFile.model_validate(plain(content)).model_dump(mode="json")

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.report.files import Drawing, drawn, filled
-from flexarm.report.sheets import legend_below, margin_for, sheet
+from flexarm.report.files import Drawing, drawn, filled, legend_below, margin_for, sheet
 from flexarm.wording import number, scale, with_unit
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ from markupsafe import Markup
 
 from flexarm.arm.effect import effect_class
 from flexarm.budget import ended_early
+from flexarm.report.evidence_figures import law_rows
 from flexarm.report.files import Drawing, filled
-from flexarm.report.gap_tables import gap_tables
-from flexarm.report.law_figures import law_rows
 from flexarm.report.sentences import (
     FITS_TOO,
+    gap_tables,
     headline,
     hold_out_sentence,
     remarks_beside,

@@ -14,8 +14,7 @@ import numpy as np
 
 from flexarm.json_values import plain
 from flexarm.report.diagnosis_page import effect_law
-from flexarm.report.files import Drawing, drawn, filled, write_files
-from flexarm.report.sheets import margin_for, sheet
+from flexarm.report.files import Drawing, drawn, filled, margin_for, sheet, write_files
 from flexarm.wording import listed, number, place_words, with_unit
 
 if TYPE_CHECKING:

@@ -84,7 +84,7 @@ class Localisation:
 
     def plot(self, signal: str | None = None) -> Figure:
         """Draw the residual of a signal (default: the largest) against angle, rate, torque and time."""
-        from flexarm.report.gap_figure import gap_figure
+        from flexarm.report.state_figures import gap_figure
 
         return gap_figure(self, signal=signal)
 

@@ -9,7 +9,7 @@ from posed import changed, posed, poses
 
 import flexarm
 from flexarm.report.diagnosis_page import page
-from flexarm.report.gap_tables import changed_signals, gap_tables
+from flexarm.report.sentences import changed_signals, gap_tables
 
 NOISE = 0.5
 

@@ -5,7 +5,7 @@ import pytest
 from planted import run_of
 
 from flexarm.errors import InvalidParameter
-from flexarm.report.gap_figure import gap_figure
+from flexarm.report.state_figures import gap_figure
 from flexarm.residual_analysis.localisation import localise
 from flexarm.residual_analysis.unexplained import unexplained_residual
 
