@@ -8,7 +8,7 @@ import numpy as np
 
 from flexarm import Arm, InvalidParameter, NotConverged
 from flexarm.arm.effect import Effect
-from flexarm.residual_analysis.covariates import correlation_ratio, intervals
+from flexarm.residual_analysis.motion_states import correlation_ratio, intervals
 from gallery.experiments import FAST
 from gallery.gaps import Gap, bench, by_direction, slow_part, states
 from gallery.signatures import Signature, acting

@@ -26,7 +26,7 @@ from flexarm.arrays import Floats
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record, Signal
-from flexarm.residual_analysis.noise import repeated_noise
+from flexarm.residual_analysis.noise_floor import repeated_noise
 
 
 def is_non_smooth(arm: Arm) -> bool:

@@ -9,7 +9,7 @@ shows: records of simulations have none, whatever they state. Filters and air ma
 than 20 Hz are thinned out before they are looked at. Readings that are multiples of a step scatter by
 step/sqrt(12) at least: a noise of a twentieth of the step is in another unit as well. What was stated in
 between may be wrong too, and samples do not tell. Of joint angles that are sampled quickly the check of a
-diagnosis says more (`flexarm.validation.clock_steps`), and steps of encoders are effects.
+diagnosis says more (`flexarm.validation.record_remarks`), and steps of encoders are effects.
 """
 
 from __future__ import annotations

@@ -29,8 +29,14 @@ from flexarm.arm.kinematics import point_jacobian
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.gap import drive_angles
-from flexarm.residual_analysis.covariates import CovariateDependence, covariate_dependence
-from flexarm.residual_analysis.motion_states import JointStates, covariate_groups, joined_states, joint_states
+from flexarm.residual_analysis.motion_states import (
+    CovariateDependence,
+    JointStates,
+    covariate_dependence,
+    covariate_groups,
+    joined_states,
+    joint_states,
+)
 from flexarm.residual_analysis.policy import POLICY
 from flexarm.wording import with_unit
 

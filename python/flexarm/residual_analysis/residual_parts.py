@@ -3,7 +3,7 @@
     residual = motor orders + parts by band,    orthogonal to each other in every record              (1)
 
 so the squares of the parts add up to those of the residual. Motor orders come first: in the motor's angle
-they are few columns, whatever their frequencies (`residual_analysis.order_tracking`,
+they are few columns, whatever their frequencies (`residual_analysis.spectrum`,
 `residual_analysis.spectrum`). A part with k of n degrees of freedom has the share k/n of white noise.
 """
 
@@ -23,13 +23,14 @@ from flexarm.comparison.gap import SignalGap, directions_of, drive_angles, signa
 from flexarm.measurement.torque import gear_ratio
 from flexarm.record import Signal
 from flexarm.residual_analysis.motion_states import JointStates, joined_states, joint_states
-from flexarm.residual_analysis.order_tracking import (
+from flexarm.residual_analysis.spectrum import (
     Harmonic,
     MotorHarmonics,
+    Named,
     detected_harmonics,
     harmonic_parts,
+    named_bands,
 )
-from flexarm.residual_analysis.spectrum import Named, named_bands
 
 PER_TURN = "per motor turn"
 """Part of the name of a motor order."""

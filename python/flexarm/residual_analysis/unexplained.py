@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.comparison.bands import band_split
-from flexarm.residual_analysis.covariates import CONSTANT
 from flexarm.residual_analysis.localisation import Localisation
+from flexarm.residual_analysis.motion_states import CONSTANT
 from flexarm.residual_analysis.policy import POLICY
 from flexarm.residual_analysis.residual_parts import PER_TURN, SignalResidual
 from flexarm.residual_analysis.spectrum import SLOW, periodogram

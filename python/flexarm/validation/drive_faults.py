@@ -3,7 +3,7 @@
 A wrong drive moves the model wrongly everywhere. Each hypothesis of `validation.drive_hypotheses` is put on
 the drive's signal as an effect, which takes the fault back, and is simulated. It wins if all channels
 together, each under its best hypothesis, then cost less (`validation.finding`, eq. (2)). Only those are
-simulated with which the rigid arm alone explains more (`validation.rigid_motion`). Similar factors all
+simulated with which the rigid arm alone explains more (`validation.drive_hypotheses`). Similar factors all
 leave the channels in order. The first one that does is compared with the others, and its factor f is
 corrected by the gains s of the channels that the drive moves,
 
@@ -32,7 +32,9 @@ from flexarm.validation.drive_hypotheses import (
     describe_hypothesis,
     drive_hypotheses,
     is_moved_by,
+    kinematic_signals,
     relative_range,
+    rigid_record,
     similar_factors,
     unit_factors,
 )
@@ -40,7 +42,6 @@ from flexarm.validation.finding import ChannelFinding, total_cost
 from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import simulate_records
 from flexarm.validation.policy import POLICY
-from flexarm.validation.rigid_motion import kinematic_signals, rigid_record
 
 Values = Mapping[str, tuple[float, float, str]]
 

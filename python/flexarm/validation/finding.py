@@ -10,7 +10,7 @@ Channels or the drive may be at fault. Each explanation has a cost, summed over 
 
 .. math:: N \ln \max(rms, least) + \tfrac12 \sum_j a_j^2/S_j^2 - \ln\text{prior}                     (2)
 
-with the rms residual and the penalty of the nuisance regressors (`validation.regression`). The least scatter
+with the rms residual and the penalty of the nuisance regressors (`validation.channel`). The least scatter
 is a share of the motion that the readings show, and so the same for all explanations. A share of the motion
 that an explanation claims would favour small readings of large motions.
 
@@ -29,9 +29,8 @@ from flexarm.arm.effect import Effect
 from flexarm.measurement.outliers import listed
 from flexarm.named_effects import NamedEffect, place_text
 from flexarm.record import Record
-from flexarm.validation.channel import Channel
+from flexarm.validation.channel import Channel, effective_samples
 from flexarm.validation.policy import POLICY
-from flexarm.validation.regression import effective_samples
 from flexarm.wording import with_unit
 
 NOTHING = 1e-12

@@ -18,11 +18,10 @@ from flexarm.arm import Arm
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.torque import gear_ratio
 from flexarm.record import Signal
-from flexarm.validation.channel import Channel, channels
+from flexarm.validation.channel import Channel, GainFit, channels, predicted_at
 from flexarm.validation.finding import ChannelFinding, cost, log_bayes
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
-from flexarm.validation.regression import GainFit, predicted_at
 from flexarm.validation.saturation import find_frozen, find_saturation, frozen_as_dead
 from flexarm.wording import with_unit
 

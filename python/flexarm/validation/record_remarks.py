@@ -1,13 +1,28 @@
-"""Remarks on records: too few poses for outliers, signals not compared, missing channels, implausible values.
+"""Remarks on records: clocks and stamps, few poses, signals not compared, missing channels, plausibility.
 
 The gain does not show a channel that keeps an absurd distance from its prediction but follows its motion.
 Signals with stamps in another unit have hardly a reading to compare. No sensor can be judged with such
 values.
+
+The delay of a clock that steps by d at the time T adds a term to the model of `validation.channel`, with
+Heaviside's step H,
+
+    y = s p + sum a c - d H(t - T) dp/dt + e.                                                          (1)
+
+A step is reported if it explains `predominant_share` of the squares of e for one channel of the clock. A
+missing effect acts before T as after it.
+
+A pause is an interval above `pause_ratio` usual ones. Drop-outs are reported from `lost_share` of the rows
+on. Angles are smooth from sample to sample, so that their noise follows from third differences,
+
+    std(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = sqrt(20) noise.                                       (2)
+
+A simulation that begins at rest with a moving drive rings, which the arm did not. Such a start is reported.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -20,6 +35,8 @@ from flexarm.record import Record, Signal
 from flexarm.record.compatibility import implausible_values
 from flexarm.record.plausibility import INPUTS, unit_problems
 from flexarm.record.time_unit import mismatched_durations
+from flexarm.validation.channel import QUASI_STATIC, Channel
+from flexarm.validation.policy import POLICY
 from flexarm.wording import listed
 
 
@@ -84,3 +101,97 @@ def _part(signal: Signal, wanted: list[bool]) -> Signal:
         return tuple(name for name, keep in zip(names, wanted, strict=False) if keep)
 
     return signal.replace(axes=of(signal.axes), channels=of(signal.channels), values=signal.values[:, wanted])
+
+
+def remarks_on_clocks(
+    simulations: Mapping[str, SimulatedRecord], seen: Mapping[str, Sequence[Channel]]
+) -> list[str]:
+    """Report steps of the delay of every clock in every record, of which `seen` are the channels."""
+    found = []
+    for name, simulated in simulations.items():
+        if simulated.record.kind == "static":
+            continue
+        best: dict[str, tuple[float, float, float, str]] = {}
+        for channel in seen[name]:
+            clock = channel.signal.clock
+            if channel.signal.quantity in QUASI_STATIC and len(channel.rows) > 30:
+                best[clock] = max(best.get(clock, (0.0, 0.0, 0.0, "")), _step(channel))
+        found += [
+            f"{name}: the clock {clock} jumps by {1e3 * step:.3g} ms near t = {at:.4g} s, as {label} shows"
+            for clock, (share, step, at, label) in best.items()
+            if share > POLICY.predominant_share and abs(step) > POLICY.min_clock_step
+        ]
+    return found
+
+
+def _step(channel: Channel) -> tuple[float, float, float, str]:
+    """Return the share of squares that a delay step explains, the step [s], its time, the channel."""
+    rate = channel.regressors[:, -1]  # of a place or angle the last column is -dp/dt
+    A = np.column_stack([channel.predicted, channel.regressors])
+    A = A[:, np.any(A != 0, axis=0)]
+    Q = np.linalg.qr(A)[0]
+    e = channel.measured - Q @ (Q.T @ channel.measured)
+    whole = float(e @ e) or 1.0
+    best = (0.0, 0.0, 0.0, channel.label)
+    for at in np.linspace(channel.time[0], channel.time[-1], POLICY.clock_step_times + 2)[2:-2]:
+        late = np.where(channel.time > at, rate, 0.0)
+        late = late - Q @ (Q.T @ late)
+        size = float(late @ late)
+        if size > 0:
+            step = float(late @ e) / size
+            best = max(best, (step**2 * size / whole, step, float(at), channel.label))
+    return best
+
+
+def remarks_on_stamps(records: Mapping[str, Record]) -> list[str]:
+    """Report pauses, drop-outs and unexpected noise of all signals."""
+    return [
+        f"{name}: {remark}"
+        for name, record in records.items()
+        for signal in record.signals.values()
+        for remark in _remarks(signal)
+    ]
+
+
+def _remarks(signal: Signal) -> list[str]:
+    found = []
+    lost = 1.0 - float(np.mean(signal.valid)) if len(signal) else 1.0
+    if POLICY.lost_share < lost < 1:  # that a signal holds nothing is why it is not compared, which is said
+        found.append(f"{signal.name} holds no value in {lost:.0%} of its {len(signal)} rows")
+    if len(signal.time) > 2:
+        steps = np.diff(signal.time)
+        worst = int(np.argmax(steps))
+        if steps[worst] > POLICY.pause_ratio * np.median(steps):
+            found.append(
+                f"{signal.name} pauses for {steps[worst]:.3g} s after t = {signal.time[worst]:.6g} s; "
+                f"its samples are usually {np.median(steps):.3g} s apart"
+            )
+    if signal.quantity == "joint_angle" and signal.noise_std and signal.rate_hz >= POLICY.smooth_rate_hz:
+        third = np.diff(signal.values[:, 0], 3)
+        third = np.abs(third[np.isfinite(third)])
+        noise = 1.48 * float(np.median(third)) / np.sqrt(20) if len(third) else 0.0  # eq. (2)
+        stated = signal.noise_std
+        if noise and not stated / POLICY.unusual_ratio < noise < stated * POLICY.unusual_ratio:
+            found.append(
+                f"the noise of {signal.name} is about {noise:.2g} {signal.unit}, stated is {stated:.2g}"
+            )
+    return found
+
+
+def remarks_on_starts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
+    """Report records that state a start at rest while a drive moves in its first sample."""
+    for name, simulated in simulations.items():
+        record = simulated.record
+        if record.kind == "static" or record.initial == "moving":
+            continue
+        run = simulated.simulation
+        for signal in (record.signals[drive] for drive in record.drive):
+            if signal.quantity != "joint_angle":
+                continue
+            rate = np.abs(run.drive_rate[:, run.joints.index(signal.joint)])
+            if len(rate) > 1 and rate[1] > POLICY.moving_rate * rate.max():
+                share = f"{100 * rate[1] / rate.max():.0f} % of its greatest rate"
+                yield (
+                    f"{name}: {signal.name} moves in the first sample, at {share}, and the record says that "
+                    'it begins at rest; if it does not, state initial = "moving"'
+                )

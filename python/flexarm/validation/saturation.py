@@ -25,10 +25,9 @@ from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
 from flexarm.record.quantisation_grid import quantisation_step
-from flexarm.validation.channel import QUASI_STATIC, Channel
+from flexarm.validation.channel import QUASI_STATIC, Channel, fit_at_gain
 from flexarm.validation.finding import ChannelFinding, cost, log_bayes
 from flexarm.validation.policy import POLICY
-from flexarm.validation.regression import fit_at_gain
 
 Rows = NDArray[np.bool_]
 Run = tuple[int, int]  # first row, last row (exclusive)

@@ -27,12 +27,17 @@ from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
 from flexarm.simulation import Progress
 from flexarm.validation.channel import Channel, channels
-from flexarm.validation.clock_steps import remarks_on_clocks, remarks_on_stamps, remarks_on_starts
 from flexarm.validation.consensus import RecordFindings, merge_findings
 from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
 from flexarm.validation.drive_hypotheses import implausible_drives
 from flexarm.validation.finding import RemovedOutliers, ValidationResult
-from flexarm.validation.frame_bias import remarks_on_frames, remarks_on_poses, remarks_on_unstated_frames
+from flexarm.validation.frames_and_clocks import (
+    remarks_on_frames,
+    remarks_on_poses,
+    remarks_on_shared_clocks,
+    remarks_on_shared_frames,
+    remarks_on_unstated_frames,
+)
 from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import initial_alignment, simulate_records
 from flexarm.validation.outliers import blank_rows, clean_drives, clean_evidence
@@ -40,10 +45,12 @@ from flexarm.validation.policy import POLICY
 from flexarm.validation.record_remarks import (
     drop_missing_channels,
     plausibility_doubts,
+    remarks_on_clocks,
     remarks_on_few_poses,
     remarks_on_skipped,
+    remarks_on_stamps,
+    remarks_on_starts,
 )
-from flexarm.validation.shared_places import remarks_on_shared_clocks, remarks_on_shared_frames
 from flexarm.validation.stuck_drives import confirmed_inputs, constant_drive, stuck_drive
 
 

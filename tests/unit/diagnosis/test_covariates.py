@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flexarm.residual_analysis.covariates import (
+from flexarm.residual_analysis.motion_states import (
     correlation_ratio,
     covariate_dependence,
     intervals,

@@ -10,8 +10,14 @@ from flexarm import Record, Signal
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import DrawnLink
-from flexarm.residual_analysis.noise import drive_noise, effective_samples, quiet_band_noise, repeated_noise
-from flexarm.residual_analysis.noise_floor import noise_floor, refined
+from flexarm.residual_analysis.noise_floor import (
+    drive_noise,
+    effective_samples,
+    noise_floor,
+    quiet_band_noise,
+    refined,
+    repeated_noise,
+)
 
 
 def test_noise_is_seen_beside_a_slow_gap_and_a_vibration():

@@ -11,7 +11,7 @@ from flexarm.budget import limited
 from flexarm.drive import Drive
 from flexarm.record import Clock, Frame
 from flexarm.validation import initial_alignment
-from flexarm.validation.rigid_motion import rigid_motion
+from flexarm.validation.drive_hypotheses import rigid_motion
 from flexarm.validation.sensor_check import check
 
 LENGTHS = (0.33, 0.32, 0.2, 0.38, 0.1, 0.1, 0.15)
