@@ -15,14 +15,6 @@ using Eigen::VectorXd;
 // Up to so many laws need no memory of their own at every correction.
 constexpr int few_laws = 8;
 
-/// A number of laws more, of which there may be Eigen::Dynamic.
-constexpr int sum(int n, int more) { return more < 0 ? Eigen::Dynamic : n + more; }
-
-/// G of a number of rows that belong to joints, and of laws; a part of it; factors.
-template <int n_j, int laws>
-using Numbers = Eigen::Matrix<double, sum(n_j, laws), sum(n_j, laws)>;
-template <int n_j, int laws>
-using InJoints = Eigen::Matrix<double, n_j, laws>;
 template <int n_j>
 using ByRows = Eigen::Matrix<double, n_j, n_j, Eigen::RowMajor>;
 
@@ -52,6 +44,7 @@ TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const
   LU_.resize(columns - n_laws, columns - n_laws);
   C_G_.resize(columns - n_laws, n_laws);
   G_l_.resize(n_laws, n_laws);
+  f_.resize(columns);
   for_numbers_ = for_numbers(joints_.size(), laws_.size());
 }
 
@@ -205,43 +198,37 @@ VectorXd TangentChangesIn<D>::along(const VectorXd& x) const {
   return Ux;
 }
 
-/// Factors of (5), and Ĝ of (6), with C of (2) without its zeros. @param joints, laws numbers of them; laws
-/// may be Eigen::Dynamic
+/// Factors of (5), and Ĝ of (6), with C of (2) without its zeros.
 template <int D>
-template <int joints, int laws>
+template <int joints>
 void TangentChangesIn<D>::prepare_for() {
   constexpr int n_j = 2 * across * joints;
-  const auto n_l = static_cast<Eigen::Index>(laws_.size());
-  const Eigen::Map<const Numbers<n_j, laws>> G(G_.data(), n_j + n_l, n_j + n_l);
-  G_l_ = G.template bottomRightCorner<laws, laws>(n_l, n_l);
+  const Eigen::Index n_l = G_l_.rows();
+  G_l_ = G_.bottomRightCorner(n_l, n_l);
   if constexpr (joints > 0) {
     Eigen::Map<ByRows<n_j>> A(LU_.data());
-    Eigen::Map<InJoints<n_j, laws>> C_G(C_G_.data(), n_j, n_l);
     for (int k = 0; k < joints; ++k) {
       const int on_node = 2 * across * k, on_row = on_node + across;
       const Turned E = C_.template block<across, across>(on_row, on_node);
-      const auto G_node = G.template middleRows<across>(on_node),
-                 G_row = G.template middleRows<across>(on_row);
+      const auto G_node = G_.template middleRows<across>(on_node),
+                 G_row = G_.template middleRows<across>(on_row);
       A.template middleRows<across>(on_node) = E.transpose().lazyProduct(G_row.template leftCols<n_j>());
       A.template middleRows<across>(on_row) = E.lazyProduct(G_node.template leftCols<n_j>());
-      C_G.template middleRows<across>(on_node) =
-          E.transpose().lazyProduct(G_row.template rightCols<laws>(n_l));
-      C_G.template middleRows<across>(on_row) = E.lazyProduct(G_node.template rightCols<laws>(n_l));
+      C_G_.template middleRows<across>(on_node) = E.transpose().lazyProduct(G_row.rightCols(n_l));
+      C_G_.template middleRows<across>(on_row) = E.lazyProduct(G_node.rightCols(n_l));
     }
     A.diagonal().array() += 1;
     factor_in_place(A, pivots_);
-    substitute(A, pivots_, C_G);
-    G_l_ -= G.template bottomLeftCorner<laws, n_j>(n_l, n_j).lazyProduct(C_G);  // eq. (6)
+    substitute(A, pivots_, C_G_);
+    G_l_ -= G_.template block<Eigen::Dynamic, n_j>(n_j, 0, n_l, n_j).lazyProduct(C_G_);  // eq. (6)
   }
 }
 
-/// Equations (5) and (6), with what `prepare_for` made. @param most laws, if they are Eigen::Dynamic
+/// f_J of (5) where laws take no forces, with what `prepare_for` made.
 template <int D>
-template <int joints, int laws, int most>
-void TangentChangesIn<D>::correct_for(VectorXd& x) {
+template <int joints>
+void TangentChangesIn<D>::find_joint_forces(const VectorXd& x) {
   constexpr int n_j = 2 * across * joints;
-  const auto n_l = static_cast<Eigen::Index>(laws_.size());
-  Eigen::Matrix<double, sum(n_j, laws), 1, 0, sum(n_j, most), 1> f(n_j + n_l);
   if constexpr (joints > 0) {
     Eigen::Matrix<double, n_j, 1> C_x;
     for (int k = 0; k < joints; ++k) {
@@ -253,44 +240,35 @@ void TangentChangesIn<D>::correct_for(VectorXd& x) {
       C_x.template segment<across>(on_row) = E * (joint.on_parent.transpose() * x.segment<n>(joint.node_row));
     }
     substitute(Eigen::Map<const ByRows<n_j>>(LU_.data()), pivots_, C_x);
-    f.template head<n_j>() = C_x;
+    f_.template head<n_j>() = C_x;
   }
-  if constexpr (laws != 0) {
-    const LawMatrix<laws, most> G_l = Eigen::Map<const Numbers<0, laws>>(G_l_.data(), n_l, n_l);
-    LawVector<laws, most> z(n_l);
-    for (Eigen::Index k = 0; k < n_l; ++k) z[k] = along_law(laws_[k], x);
-    if constexpr (joints > 0) {
-      const Eigen::Map<const Numbers<n_j, laws>> G(G_.data(), n_j + n_l, n_j + n_l);
-      z -= G.template bottomLeftCorner<laws, n_j>(n_l, n_j).lazyProduct(f.template head<n_j>());  // eq. (6)
-    }
-    const LawVector<laws, most> f_l = law_forces(G_l, z, laws_here_);
-    f.tail(Eigen::fix<laws>(n_l)) = f_l;
-    if constexpr (joints > 0) {
-      const Eigen::Map<const InJoints<n_j, laws>> C_G(C_G_.data(), n_j, n_l);
-      f.template head<n_j>() -= C_G.lazyProduct(f_l);
-    }
-  }
-  packed_W_.multiply(f.data(), Wy_.data());
-  x -= Wy_.head(x.size());  // eq. (1)
+}
+
+/// f_L of (6), and what it changes of f_J. @param L, most laws, as LawVector has them
+template <int D>
+template <int L, int most>
+void TangentChangesIn<D>::add_law_forces(const VectorXd& x) {
+  const Eigen::Index n_l = G_l_.rows(), n_j = f_.size() - n_l;
+  LawVector<L, most> z(n_l);
+  for (Eigen::Index k = 0; k < n_l; ++k) z[k] = along_law(laws_[k], x);
+  z -= G_.bottomLeftCorner(n_l, n_j).lazyProduct(f_.head(n_j));
+  const LawMatrix<L, most> G_l = G_l_;
+  f_.tail(n_l) = law_forces(G_l, z, laws_here_);
+  f_.head(n_j) -= C_G_.lazyProduct(f_.tail(n_l));
 }
 
 template <int D>
 typename TangentChangesIn<D>::ForNumbers TangentChangesIn<D>::for_numbers(std::size_t joints,
                                                                           std::size_t laws) {
   using Self = TangentChangesIn<D>;
-  constexpr auto of = []<int n, int l, int most>(std::integer_sequence<int, n, l, most>) {
-    return ForNumbers{&Self::prepare_for<n, l>, &Self::correct_for<n, l, most>};
-  };
-  constexpr auto for_joints = [of]<int n>(std::integer_sequence<int, n>) {
-    return std::array<ForNumbers, 4>{of(std::integer_sequence<int, n, 0, 0>{}),
-                                     of(std::integer_sequence<int, n, 1, 1>{}),
-                                     of(std::integer_sequence<int, n, Eigen::Dynamic, few_laws>{}),
-                                     of(std::integer_sequence<int, n, Eigen::Dynamic, Eigen::Dynamic>{})};
-  };
-  static constexpr std::array by_numbers = {
-      for_joints(std::integer_sequence<int, 0>{}), for_joints(std::integer_sequence<int, 1>{}),
-      for_joints(std::integer_sequence<int, 2>{}), for_joints(std::integer_sequence<int, 3>{})};
-  return by_numbers[joints][laws < 2 ? laws : laws <= few_laws ? 2 : 3];
+  static constexpr std::array prepare = {&Self::prepare_for<0>, &Self::prepare_for<1>, &Self::prepare_for<2>,
+                                         &Self::prepare_for<3>};
+  static constexpr std::array of_joints = {&Self::find_joint_forces<0>, &Self::find_joint_forces<1>,
+                                           &Self::find_joint_forces<2>, &Self::find_joint_forces<3>};
+  return {prepare[joints], of_joints[joints],
+          laws == 1          ? &Self::add_law_forces<1, 1>
+          : laws <= few_laws ? &Self::add_law_forces<Eigen::Dynamic, few_laws>
+                             : &Self::add_law_forces<Eigen::Dynamic, Eigen::Dynamic>};
 }
 
 template <int D>
@@ -300,8 +278,14 @@ void TangentChangesIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x
     turned_ = turn_joints(state);
     if (turned_ || !laws_.empty()) (this->*for_numbers_.prepare)();
   }
-  find_laws_here(state);
-  if (turned_ || !laws_.empty()) (this->*for_numbers_.correct)(x);
+  if (!turned_ && laws_.empty()) return;
+  (this->*for_numbers_.find_joint_forces)(x);
+  if (!laws_.empty()) {
+    find_laws_here(state);
+    (this->*for_numbers_.add_law_forces)(x);
+  }
+  packed_W_.multiply(f_.data(), Wy_.data());
+  x -= Wy_.head(x.size());  // eq. (1)
 }
 
 template class TangentChangesIn<2>;

@@ -96,17 +96,19 @@ class TangentChangesIn {
   Eigen::VectorXd along(const Eigen::VectorXd& x) const;  // Uᵀ x
   double along_law(int k, const Eigen::VectorXd& x) const;
 
-  /// What depends on the turns of the joints alone, and the correction with it, for numbers of joints and
-  /// laws.
+  /// What depends on the turns of the joints alone, and the forces, for numbers of joints and laws.
   struct ForNumbers {
     void (TangentChangesIn::*prepare)();
-    void (TangentChangesIn::*correct)(Eigen::VectorXd&);
+    void (TangentChangesIn::*find_joint_forces)(const Eigen::VectorXd&);
+    void (TangentChangesIn::*add_law_forces)(const Eigen::VectorXd&);
   };
   static ForNumbers for_numbers(std::size_t joints, std::size_t laws);
-  template <int joints, int laws>
+  template <int joints>
   void prepare_for();
-  template <int joints, int laws, int most>
-  void correct_for(Eigen::VectorXd& x);
+  template <int joints>
+  void find_joint_forces(const Eigen::VectorXd& x);
+  template <int L, int most>
+  void add_law_forces(const Eigen::VectorXd& x);
 
   const assembly::SystemIn<D>& system_;
   std::vector<TurningJoint> joints_;
@@ -122,7 +124,7 @@ class TangentChangesIn {
   Eigen::MatrixXd LU_, C_G_, G_l_;  // of I + C G_JJ, by rows; (I + C G_JJ)⁻¹ C G_JL; Ĝ
   Pivots<most_in_joints> pivots_;
   PackedMatrix packed_W_;
-  Eigen::VectorXd Wy_;
+  Eigen::VectorXd f_, Wy_;
 };
 
 }  // namespace flexarm::solvers
