@@ -39,6 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.filters import recursive_filter
 from flexarm.record import Record
 
 TRANSIENT = 64
@@ -99,8 +100,6 @@ class TimeDiscrepancy:
         return found
 
     def _filtered(self, values: Floats) -> Floats:
-        from scipy.signal import lfilter
-
         variance, gain = self.gains
         phi, found = self._phi, np.empty_like(values)
         state = np.zeros(values.shape[1:])
@@ -109,9 +108,9 @@ class TimeDiscrepancy:
             found[t] = error / np.sqrt(variance[t])
             state = phi * (state + gain[t] * error)  # eq. (2)
         if len(values) > TRANSIENT:
-            rest, _ = lfilter(
-                [1.0, -phi], [1.0, -phi * (1 - gain[-1])], values[TRANSIENT:], axis=0, zi=-state[None]
-            )
+            fresh = values[TRANSIENT:] - phi * values[TRANSIENT - 1 : -1]
+            fresh[0] = values[TRANSIENT] - state
+            rest = recursive_filter(fresh, np.array([1.0, -phi * (1 - gain[-1])]))
             found[TRANSIENT:] = rest / np.sqrt(variance[-1])
         return found
 
@@ -130,10 +129,8 @@ class TimeDiscrepancy:
 
     def _correlated(self, values: Floats) -> Floats:
         """Return K times values: what decays after each sample, and before it."""
-        from scipy.signal import lfilter
-
-        after = lfilter([1.0], [1.0, -self._phi], values, axis=0)
-        before = lfilter([1.0], [1.0, -self._phi], values[::-1], axis=0)[::-1]
+        poles = np.array([1.0, -self._phi])
+        after, before = recursive_filter(values, poles), recursive_filter(values[::-1], poles)[::-1]
         return np.asarray(after + before - values)
 
     @property

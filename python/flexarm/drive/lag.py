@@ -15,7 +15,6 @@ values, rates and accelerations at both ends. With knots a quarter of a time con
 from __future__ import annotations
 
 from dataclasses import replace
-from math import ceil, exp, isfinite, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,13 +72,12 @@ def lagged(drive: JointDrive, delay: float, time_constant: float) -> JointDrive:
     last[-1] = drive(drive.breaks[-1])
     p = np.hstack([drive.coefficients, last])  # it is held after its end
     part = _settled(p, time_constant)
-    widths = [*np.diff(drive.breaks), np.inf]
+    widths = np.append(np.diff(drive.breaks), np.inf)
     c = _transients(part, widths, float(p[-1, 0]), time_constant)
     floor = gone * max(float(np.ptp(p[-1])), abs(float(p[-1, 0])), 1e-300)
-    knots = [_knots(width, abs(size), floor, time_constant) for width, size in zip(widths, c, strict=True)]
-    piece = np.repeat(np.arange(len(knots)), [len(each) for each in knots])
-    values = _at(np.concatenate(knots), part[:, piece], c[piece], time_constant)
-    return _joined(drive, np.concatenate(knots) + drive.breaks[piece], piece, values)
+    knots, piece = _knots(widths, np.abs(c), floor, time_constant)
+    values = _at(knots, part[:, piece], c[piece], time_constant)
+    return _joined(drive, knots + drive.breaks[piece], piece, values)
 
 
 def _derivative(p: Floats) -> Floats:
@@ -97,25 +95,33 @@ def _settled(p: Floats, time_constant: float) -> Floats:
     return part
 
 
-def _transients(part: Floats, widths: list[float], first: float, time_constant: float) -> Floats:
+def _transients(part: Floats, widths: Floats, first: float, time_constant: float) -> Floats:
     """Return C of (2) of every piece."""
+    ends = np.zeros(len(widths) - 1)
+    for row in part:
+        ends = ends * widths[:-1] + row[:-1]
+    left = np.exp(-widths[:-1] / time_constant)
     found, now = [], first
-    for column, width in zip(part.T, widths, strict=True):
-        found.append(now - float(column[-1]))
-        if isfinite(width):
-            now = float(np.polyval(column, width)) + found[-1] * exp(-width / time_constant)
-    return np.array(found)
+    for begin, end, remaining in zip(part[-1, :-1].tolist(), ends.tolist(), left.tolist(), strict=True):
+        found.append(now - begin)
+        now = end + found[-1] * remaining
+    return np.array([*found, now - float(part[-1, -1])])
 
 
-def _knots(width: float, c: float, floor: float, time_constant: float) -> Floats:
-    """Return times since the begin of a piece at which (2) is joined, its end the last one."""
+def _knots(widths: Floats, c: Floats, floor: float, time_constant: float) -> tuple[Floats, NDArray[np.intp]]:
+    """Return times since the begin of their piece at which (2) is joined, and the piece of each."""
     apart = APART * time_constant
-    alive = time_constant * log(c / floor) if c > floor else 0.0
-    alive = width if alive > width - apart else alive
-    inside = np.linspace(0.0, alive, ceil(alive / apart) + 1)
-    if alive == width:
-        return inside
-    return np.append(inside, width if isfinite(width) else alive + apart)
+    alive = time_constant * np.log(np.maximum(c / floor, 1.0))
+    alive = np.where(alive > widths - apart, widths, alive)
+    steps = np.ceil(alive / apart).astype(int)
+    beyond = alive < widths  # one more, where the piece goes on as a polynomial
+    counts = steps + 1 + beyond
+    piece = np.repeat(np.arange(len(widths)), counts)
+    number = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
+    inside = number * (alive / np.maximum(steps, 1))[piece]
+    ends = np.where(np.isfinite(widths), widths, alive + apart)
+    last = number >= steps[piece]
+    return np.where(last, np.where(number == steps[piece], alive[piece], ends[piece]), inside), piece
 
 
 def _at(s: Floats, part: Floats, c: Floats, time_constant: float) -> Floats:

@@ -18,14 +18,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.sparse import block_diag as sparse_diagonal
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, diags
 
-from flexarm.arrays import Floats
+from flexarm.arrays import Floats, read_only
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.problem import Problem
 from flexarm.law_curve import LawKind
@@ -102,9 +103,10 @@ def knots_over(of: str, y: Floats, policy: LawPolicy) -> Floats:
     return np.asarray(np.sinh(np.linspace(np.arcsinh(c * low), np.arcsinh(c * high), policy.curve_knots)) / c)
 
 
+@cache
 def curve_matern(count: int, length: float) -> Floats:
     """Return a root of the Matern covariance of knots, which are one apart over their range."""
-    return matern_root(np.linspace(0.0, 1.0, count), length)
+    return read_only(matern_root(np.linspace(0.0, 1.0, count), length))
 
 
 def _interpolation(y: Floats, knots: Floats) -> csr_matrix:
@@ -151,7 +153,7 @@ class LawSearch:
         response = (latent.response.jacobian / noise_scale(problem, fit)[:, None]) @ inverse
         self.space = ColumnSpace.of(latent.data, response)
         self.splines = sparse_diagonal(splines).tocsr()
-        self._curves: dict[str, tuple[Floats, Floats, Floats]] = {}
+        self._curves: dict[str, tuple[Floats, csr_matrix, Floats]] = {}
         self.explained = max(self.left_without - latent.model.left(), 1e-300)
 
     @property
@@ -215,25 +217,20 @@ class LawSearch:
         knots, between, whole = self._curve(of)
         parts = [whole]
         if len(masks) == 2:  # which share all states
-            one = np.asarray(self.splines.T @ (between * masks[0][:, None]))
+            one = (self.splines.T @ (diags(masks[0].astype(float)) @ between)).toarray()
             parts = [one, whole - one]
         matern = curve_matern(len(knots), length)
         root = block_diag(*[matern] * len(masks))
         return np.column_stack([part @ matern for part in parts]), root, knots
 
-    def _curve(self, of: str) -> tuple[Floats, Floats, Floats]:
+    def _curve(self, of: str) -> tuple[Floats, csr_matrix, Floats]:
         """Return the knots of a state, H of (1), and N^T H."""
         if of not in self._curves:
             y = self.states.values[of]
             knots = knots_over(of, y, self.policy)
-            between = _interpolation(y, knots).toarray()
-            self._curves[of] = knots, between, np.asarray(self.splines.T @ between)
+            between = _interpolation(y, knots)
+            self._curves[of] = knots, between, (self.splines.T @ between).toarray()
         return self._curves[of]
-
-    def _model(self, of: str, masks: Sequence[Mask], length: float) -> tuple[GaussianModel, Floats, Floats]:
-        to_splines, root, knots = self._root(of, masks, length)
-        model = self.space.model(to_splines)
-        return model, root * model.size, knots
 
     def _fitted(
         self,
@@ -244,8 +241,10 @@ class LawSearch:
         only: int = -1,
         lengths: Sequence[float] = (),
     ) -> Law:
-        tried = [self._model(of, masks, length) for length in lengths or self.policy.curve_lengths]
-        model, root, knots = max(tried, key=lambda each: each[0].log_evidence)
+        tried = [self._root(of, masks, length) for length in lengths or self.policy.curve_lengths]
+        to_splines, root, knots = max(tried, key=lambda each: self.space.log_evidence(each[0]))
+        model = self.space.model(to_splines)
+        root = root * model.size
         mean, deviation = model.posterior()
         return Law(
             kind,

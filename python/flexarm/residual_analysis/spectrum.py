@@ -47,6 +47,7 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.bands import alias
+from flexarm.filters import recursive_filter
 from flexarm.residual_analysis.motion_states import JointStates
 from flexarm.residual_analysis.noise_floor import exceeds_noise
 from flexarm.residual_analysis.policy import POLICY
@@ -195,12 +196,11 @@ def _modal_response(wave: Floats, step: float, omega: float, damping: float) -> 
 
     The damping ratio is 0.005 at least, so that a response forgets how it began.
     """
-    from scipy.signal import lfilter
-
     k, loss = 2 / step, 2 * max(damping, 5e-3) * omega  # d/dt is k (z - 1)/(z + 1)
     below = np.array([k**2 + k * loss + omega**2, 2 * (omega**2 - k**2), k**2 - k * loss + omega**2])
     above = omega**2 * np.array([1.0, 2.0, 1.0]), omega * k * np.array([1.0, 0.0, -1.0])
-    return [np.asarray(lfilter(each, below, wave - wave[0])) for each in above]
+    given = wave - wave[0]
+    return [recursive_filter(np.convolve(given, each)[: len(given)], below) for each in above]
 
 
 def detected_harmonics(

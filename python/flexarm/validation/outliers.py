@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.comparison.pose_outliers import pose_outliers
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
+from flexarm.filters import cubic_average
 from flexarm.measurement.outliers import (
     AROUND,
     NEARBY,
@@ -126,7 +127,6 @@ def _neighbouring_third_differences(y: Floats) -> Floats:
 def predicted_vibration(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Floats:
     """Return the greatest vibration that the model predicts around each row, shape (n, channels)."""
     from scipy.ndimage import maximum_filter1d
-    from scipy.signal import savgol_filter
 
     run, instants = simulated.simulation, simulated.instants(signal, placement)
     window = 2 * round(POLICY.vibration_period / POLICY.vibration_step / 2) + 1
@@ -136,7 +136,7 @@ def predicted_vibration(simulated: SimulatedRecord, signal: Signal, placement: P
     )
     grid = np.arange(first, last, POLICY.vibration_step)
     on_grid = read(run, signal, np.minimum(grid, run.time[-1]), simulated.frame(signal, placement))
-    vibration = np.abs(on_grid - savgol_filter(on_grid, window, 3, axis=0))
+    vibration = np.abs(on_grid - cubic_average(on_grid, window))
     greatest = maximum_filter1d(vibration, window, axis=0, mode="nearest")
     return np.asarray(greatest[np.searchsorted(grid, instants).clip(0, len(grid) - 1)])
 
