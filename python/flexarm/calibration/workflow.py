@@ -144,7 +144,8 @@ def _calibration(
     tell(0.9, "verifying")
     updated = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)
     bench = Bench(parted.training, parted.held_out, step, alpha, workers)
-    before, after = bench.in_all(arm), bench.in_all(updated)
+    before = bench.in_all(arm)
+    after = bench.in_all(updated, before)
     order = _order(posterior)
     std = np.sqrt(np.diag(posterior.covariance))
     return Calibration(

@@ -89,15 +89,23 @@ def compare(
 
 
 def comparison_of(
-    pair: AlignedRecord, align: bool = True, bands: Sequence[float] | None = None, steps: Iterable[str] = ()
+    pair: AlignedRecord,
+    align: bool = True,
+    bands: Sequence[float] | None = None,
+    steps: Iterable[str] = (),
+    other: Comparison | None = None,
 ) -> Comparison:
-    """Return the gap of an aligned record, as `compare` does; `steps` are notes on the solver's step."""
+    """Return the gap of an aligned record, as `compare` does; `steps` are notes on the solver's step.
+
+    Bands are those of an `other` model's comparison where one is given.
+    """
     simulated, aligned, record = pair.simulated, pair.aligned, pair.record
     modes_hz = pair.modes_hz if bands is None else ()
+    around = modes_hz if other is None else other.modes_hz
     gaps = {}
     for name, signal in simulated.signals.items():
         outliers = aligned.outliers.get(name) if signal.quantity in SMOOTH else None
-        gaps[name] = signal_gap(simulated, signal, aligned.placement, pair.joint, modes_hz, bands, outliers)
+        gaps[name] = signal_gap(simulated, signal, aligned.placement, pair.joint, around, bands, outliers)
     unplaced = [f"{problem.where} {problem.what}" for problem in unplaced_effects(record, simulated.arm)]
     return Comparison(
         simulated.arm.name,

@@ -117,9 +117,9 @@ class Bench:
         """Return the gap of a model by record that was fitted."""
         return compared(self._aligned(model, self.training))
 
-    def in_all(self, model: Arm) -> Gaps:
-        """Return the same by any record."""
-        return compared(self.aligned(model))
+    def in_all(self, model: Arm, before: Gaps | None = None) -> Gaps:
+        """Return the same by any record, in the bands of another model's gaps where they are given."""
+        return compared(self.aligned(model), before)
 
     def aligned(self, model: Arm) -> dict[str, AlignedRecord]:
         """Return a model beside each record, sample by sample."""
@@ -130,9 +130,9 @@ class Bench:
         return dict(zip(records, at_once(simulated, records.values(), self.jobs), strict=True))
 
 
-def compared(pairs: Mapping[str, AlignedRecord]) -> Gaps:
-    """Return the gap of each record that a model was simulated beside."""
-    return {name: comparison_of(pair) for name, pair in pairs.items()}
+def compared(pairs: Mapping[str, AlignedRecord], before: Gaps | None = None) -> Gaps:
+    """Return the gap of each record that a model was simulated beside, in the bands of `before`."""
+    return {name: comparison_of(pair, other=(before or {}).get(name)) for name, pair in pairs.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +189,8 @@ def verified(
         Whether what is left is to be described.
     """
     runs, runs_after = bench.aligned(arm), bench.aligned(updated)
-    before, after = compared(runs), compared(runs_after)
+    before = compared(runs)
+    after = compared(runs_after, before)
     main = main_signal(bench.training, before)
     pairs, pairs_after = ({name: found[name] for name in bench.training} for found in (runs, runs_after))
     located_after = _located(pairs_after)

@@ -1,6 +1,7 @@
 """What a repair is verified with: records beside models, simulated as the diagnosis was told to."""
 
-from diagnoses import nominal, record
+import pytest
+from diagnoses import nominal, record, with_spring
 
 from flexarm.comparison.compare import compare
 from flexarm.diagnosis import verification
@@ -23,6 +24,19 @@ def test_the_gap_of_a_run_is_that_of_a_comparison():
     found = bench.in_all(nominal())
     assert found.keys() == {"swing", "other"}
     assert str(found["other"]) == str(compare(nominal(), record(2), step=0.01, alpha=0.0))
+
+
+def test_gaps_before_and_after_are_split_in_the_same_bands():
+    """A spring lowers the first mode, about which `compare` lays the bands of the softer model."""
+    bench = Bench({"swing": record(1)}, {}, step=0.01, alpha=0.0, jobs=1)
+    found = verification.verified(bench, nominal(), with_spring(), [], [], open_gap=False)
+    own = compare(with_spring(), record(1), step=0.01, alpha=0.0)
+    before, after, alone = (
+        each.signals["tip"].bands for each in (found.before["swing"], found.after["swing"], own)
+    )
+    assert [(band.low, band.high) for band in after] == [(band.low, band.high) for band in before]
+    assert [band.high for band in alone][:-1] != [band.high for band in before][:-1]
+    assert sum(band.rms**2 for band in after) == pytest.approx(sum(band.rms**2 for band in alone))
 
 
 def test_a_verification_simulates_and_aligns_a_record_once_for_a_model(monkeypatch):
