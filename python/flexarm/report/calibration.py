@@ -162,7 +162,8 @@ def fit_sentence(found: Calibration) -> str:
 
 def family_sentence(family: CalibratedFamily) -> str:
     """Return what a family shares, and how its members differ."""
-    name = f"{effect_words(family.effect)}, {family.parameter}, at {len(family.at)} places"
+    places = "place" if len(family.at) == 1 else "places"
+    name = f"{effect_words(family.effect)}, {family.parameter}, at {len(family.at)} {places}"
     if family.shared is None:
         return f"{name}: rms size {with_unit(family.spread, family.unit)}"
     shared = family.shared

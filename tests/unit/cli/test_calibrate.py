@@ -1,6 +1,7 @@
 """The command `flexarm calibrate` on a small virtual machine: files, text, JSON and refusals."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -49,7 +50,10 @@ def command(bench, out, *more):
 
 def test_a_family_is_fitted_and_written(bench, tmp_path, capsys):
     assert run(command(bench, tmp_path / "out", "--family", "joint_compliance")) == 0
-    assert "joint compliance, stiffness, at 1 places" in capsys.readouterr().out
+    sentence = "oint compliance, stiffness, at 1 place: "
+    assert f"j{sentence}" in capsys.readouterr().out
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert re.search(rf"<p>J{sentence}shared size \S+ kN m/rad, 90", page)
     found = flexarm.Calibration.load(tmp_path / "out")
     stiffness = found.parameter("effects.joint_compliance.hinge.stiffness")
     assert stiffness.low90 < 2e4 < stiffness.high90
