@@ -6,6 +6,7 @@ from arms import arm, hinge, rigid
 
 import flexarm
 from flexarm import Drive, InvalidFile, InvalidParameter, JointDrive
+from flexarm.drive.doubts import doubts
 
 ARM = arm(
     joints=[
@@ -147,3 +148,41 @@ def test_drive_of_an_unknown_joint_is_refused():
 def test_samples_that_do_not_fit_are_told_with_their_place(samples, what):
     with pytest.raises(InvalidParameter, match=what):
         Drive.from_samples(T, {"hinge": samples})
+
+
+def test_a_drive_is_shown_by_its_joints_and_its_span():
+    found = Drive.from_samples(T, {"hinge": cubic(T), "wrist": 0 * T})
+    assert repr(found) == "<Drive of hinge (motor), wrist (motor): 0 to 2 s>"
+
+
+CASCADE = {
+    "type": "cascade",
+    "joint": "wrist",
+    "position_gain": 5,
+    "velocity_gain": 50,
+    "sample_time": 0.002,
+}
+
+
+def doubted(side="motor", ratio=1.0, **angles):
+    """What is doubted of constant angles of an arm with a belt or a controller."""
+    pair = [{"name": "belt", "input": "hinge", "output": "wrist", "ratio": ratio}] if ratio else []
+    table = {**ARM.to_dict(), "gears": pair, "controllers": [] if ratio else [CASCADE]}
+    values = {name: np.full(T.shape, angle) for name, angle in angles.items()}
+    return [str(each) for each in doubts(Drive.from_samples(T, values, side), flexarm.Arm.from_dict(table))]
+
+
+def test_turns_are_counted_behind_the_gears_that_a_joint_drives():
+    """Ten turns are none of an arm's joints, and a motor's shaft makes them for a tenth of one."""
+    assert any("10.0 turns" in each for each in doubted(ratio=-1.0, hinge=20 * np.pi))
+    assert doubted(ratio=100.0, hinge=20 * np.pi) == []
+    assert any("10.0 turns" in each for each in doubted(ratio=100.0, hinge=2000 * np.pi))
+
+
+def test_a_drive_of_the_motor_says_that_the_controller_does_not_act():
+    [said] = doubted(ratio=0, wrist=0.3)
+    assert said == (
+        "column wrist: moves the motor itself, so its controller does not act; "
+        "a record with a joint_command as drive lets it"
+    )
+    assert doubted("command", ratio=0, wrist=0.3) == doubted(ratio=0, hinge=0.3) == []

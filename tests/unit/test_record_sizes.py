@@ -163,6 +163,7 @@ def lifted() -> flexarm.Arm:
     [
         ({"hinge": 30.0}, ["joints.hinge"]),
         ({"lift": 300.0}, ["joints.lift"]),
+        ({"shaft": 3000.0}, ["joints.shaft"]),
         ({"hinge": -3.0, "lift": 30.0, "shaft": 150.0}, []),
     ],
 )
@@ -172,7 +173,7 @@ def test_joints_that_stand_in_degrees_or_millimetres_are_doubted(joints, where):
     record = flexarm.Record(signals=[high], joints=joints)
     found = {each: what for each, what in doubted(record, lifted()).items() if each != "drive"}
     assert list(found) == where
-    told = {"joints.hinge": "is 30 rad, 4.8 turns; write degrees as radians"}
+    told = {"joints.hinge": "is 30 rad, 4.8 turns; write", "joints.shaft": "is 3000 rad, 477.5 turns; write"}
     assert all(found[each].startswith(told.get(each, "is 300 m")) for each in where)
 
 

@@ -109,6 +109,8 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
 
     Raise InvalidFile if one is not NAME=NUMBER, names no moving joint, or names one twice.
     """
+    from flexarm.arm.joint import shaft_ratio
+
     joints = [joint.name for joint in arm.moving_joints]
     values: dict[str, float] = {}
     for text in given or ():
@@ -124,9 +126,8 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
         if name in values:
             raise InvalidFile("command line", "--joint", f"joint {name!r} is given twice")
         values[name] = float(number)
-        turns_often = name in {gear.input for gear in arm.gears}  # a motor's shaft
-        if arm.joint(name).type == "revolute" and not turns_often and abs(values[name]) > 2 * math.pi:
-            turns = abs(values[name]) / (2 * math.pi)
+        turns = abs(values[name]) / (2 * math.pi)
+        if arm.joint(name).type == "revolute" and turns > shaft_ratio(name, arm.gears):
             what = f"{values[name]:g} rad are {turns:.3g} turns; angles are in radians"
             warn(Path("command line"), [Problem(f"--joint {name}", what)])
     return values

@@ -1,4 +1,4 @@
-"""Plausibility of a drive in a CSV file: degrees, angles of motors, milliseconds."""
+"""Plausibility of a drive in a CSV file: degrees, angles of motors, milliseconds, controllers at rest."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm.joint import shaft_ratio
 from flexarm.errors import Problem
 from flexarm.record.time_unit import implausible_duration, motion_of, span_of
 
@@ -21,14 +22,17 @@ REMEDY = "write them in s"
 
 
 def doubts(drive: Drive, arm: Arm) -> Iterable[Problem]:
-    """Yield joints that turn several times, and runs of hours."""
-    shafts = {gear.input for gear in arm.gears}
+    """Yield joints that turn several times, controllers that do not act, and runs of hours."""
+    controlled = {controller.joint for controller in arm.controllers}
     for name, joint in drive.joints.items():
-        most = float(np.max(np.abs(joint(joint.breaks))))
-        if arm.joint(name).type == "revolute" and name not in shafts and most > MOST:
+        most = float(np.max(np.abs(joint(joint.breaks)))) / shaft_ratio(name, arm.gears)
+        if arm.joint(name).type == "revolute" and most > MOST:
             turns = f"{most / (2 * pi):.1f} turns"
             doubt = "is it in degrees, or not yet divided by the ratio?"
             yield Problem(f"column {name}", f"reaches {most:g} rad, {turns}; {doubt}")
+        if name in controlled and joint.side == "motor":
+            what = "moves the motor itself, so its controller does not act; a record with a joint_command as "
+            yield Problem(f"column {name}", f"{what}drive lets it")
     motions = [
         motion_of(name, joint.breaks, joint(joint.breaks), "m" if slides(arm, name) else "rad")
         for name, joint in drive.joints.items()

@@ -21,7 +21,7 @@ from flexarm.record.columns import CsvFile
 from flexarm.tables.ranges import first_beyond, out_of_range, range_of
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Drive:
     """Drives of a run.
 
@@ -42,6 +42,10 @@ class Drive:
     start: float = 0.0
     end: float = 0.0
     lead: float = 0.0
+
+    def __repr__(self) -> str:
+        joints = ", ".join(f"{name} ({joint.side})" for name, joint in self.joints.items())
+        return f"<Drive of {joints or 'no joint'}: {self.start:g} to {self.end:g} s>"
 
     def sha256(self) -> str:
         """Return the hash of all that a run takes from the drive, for its provenance."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm.joint import shaft_ratio
 from flexarm.arm.link import Beam
 from flexarm.arm.plausibility import validate as validate_arm
 from flexarm.arm.sizes import LONGEST, mass_of_links
@@ -75,12 +76,11 @@ def _drawn(record: Record, arm: Arm) -> Iterable[Problem]:
 
 
 def _standing(record: Record, arm: Arm) -> Iterable[Problem]:
-    """Yield angles of several turns, except of motor shafts, and slides further than any arm reaches."""
-    shafts = {gear.input for gear in arm.gears}
+    """Yield angles of several turns behind gears, and slides further than any arm reaches."""
     for name, value in record.joints.items():
         slides = arm.joint(name).type == "prismatic"
         if slides and abs(value) > LONGEST:
             yield Problem(f"joints.{name}", f"is {value:g} m; lengths are in m, not in mm")
-        elif not slides and name not in shafts and abs(value) > 2 * pi:
+        elif not slides and abs(value) > 2 * pi * shaft_ratio(name, arm.gears):
             what = f"is {value:g} rad, {abs(value) / (2 * pi):.1f} turns; write degrees as radians"
             yield Problem(f"joints.{name}", what)
