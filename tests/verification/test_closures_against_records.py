@@ -9,8 +9,8 @@ import pytest
 import flexarm
 from flexarm import Arm, Record, Signal
 from flexarm.arm.parameter import with_value
+from flexarm.diagnosis.noise_model import with_fine_step
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.search_step import with_fine_step
 from flexarm.errors import InvalidParameter
 from flexarm.validation.sensor_check import check
 

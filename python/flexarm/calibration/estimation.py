@@ -36,8 +36,7 @@ from flexarm.calibration.families import Family
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.diagnosis.evidence import discrepancies_of
-from flexarm.diagnosis.fit import FIT_ERRORS, Projection
-from flexarm.diagnosis.generalised_least_squares import NormalEquations
+from flexarm.diagnosis.fit import FIT_ERRORS, NormalEquations, Projection
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import is_non_smooth
 

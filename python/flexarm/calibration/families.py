@@ -1,6 +1,6 @@
 """Families: one effect at all places of a kind, as one hypothesis with a hierarchical prior.
 
-Eqs. (1) to (3) are those of `diagnosis.hierarchical_prior`. The policy has tau_0 of (1) as `spread` and nu as
+Eqs. (1) to (3) are those of `diagnosis.family`. The policy has tau_0 of (1) as `spread` and nu as
 `spread_members`.
 """
 
@@ -17,10 +17,10 @@ from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.arrays import Floats
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
-from flexarm.diagnosis.candidate_places import places_of
-from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
+from flexarm.diagnosis.candidate import ACROSS
+from flexarm.diagnosis.candidates import places_of
+from flexarm.diagnosis.family import HierarchicalPrior
 from flexarm.diagnosis.nuisance import bare_key
-from flexarm.diagnosis.parameters import ACROSS
 from flexarm.diagnosis.problem import Problem
 from flexarm.errors import InvalidParameter
 

@@ -28,13 +28,13 @@ from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.calibration.result import Calibration
 from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES
 from flexarm.configuration import version
+from flexarm.diagnosis.hold_out import Split, named_hold_out, split
 from flexarm.diagnosis.noise_model import allow_for_input_noise, impute_noise, weighted_by_input_noise
 from flexarm.diagnosis.nuisance import first_guess, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.split import Split, named_hold_out, split
+from flexarm.diagnosis.sensors import with_zeros
 from flexarm.diagnosis.verification import Bench, main_signal
-from flexarm.diagnosis.zeros import with_zeros
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.named_effects import NORMAL_90

@@ -1,7 +1,7 @@
 """Criteria of the search: when an effect is accepted, a model is adequate, and looking for more stops.
 
 With e the residual of a model after its nuisance parameters x were eliminated, and s_c its residual above the
-noise in channel c (eq. (3) of `diagnosis.evidence`; s_c0 of the model without effects), a larger model is
+noise in channel c (eq. (2) of `diagnosis.evidence`; s_c0 of the model without effects), a larger model is
 practically significant if in some channel it explains
 
     p_c = sqrt(mean over c of (e_old^2 - e_new^2)) > max(significant_noise, significant_share s_c0),   (1)
@@ -38,8 +38,13 @@ from math import inf
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.cross_validation import log_odds_lost, predicts_better, press_rms
-from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
+from flexarm.diagnosis.evidence import (
+    above_noise,
+    log_bayes_factor,
+    log_odds_lost,
+    predicts_better,
+    press_rms,
+)
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem

@@ -25,15 +25,13 @@ from flexarm.budget import allows
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, carries
 from flexarm.diagnosis.collinear import collinear, out_of_step
-from flexarm.diagnosis.cross_validation import predicts_better
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio
+from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, predicts_better
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
-from flexarm.diagnosis.minimisers import predicted_decrease
 from flexarm.diagnosis.moves.proposals import one_variant
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.refinement import ROUNDS, further
+from flexarm.diagnosis.refinement import ROUNDS, further, predicted_decrease
 from flexarm.diagnosis.screening import Probed, Share, screen, sharpened
 from flexarm.named_effects import Place
 

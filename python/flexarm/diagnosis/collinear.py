@@ -24,7 +24,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
-from flexarm.diagnosis.moves.rescreening import small_steps
+from flexarm.diagnosis.moves.search_state import small_steps
 from flexarm.diagnosis.screening import LONGER, Probed, Share
 from flexarm.errors import InvalidParameter
 

@@ -20,13 +20,11 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.candidate import Candidate, with_members
+from flexarm.diagnosis.candidate import Candidate, transformed_parameters, with_members
 from flexarm.diagnosis.family import with_spreads
-from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
-from flexarm.diagnosis.generalised_least_squares import gls_nuisance
+from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection, gls_nuisance
 from flexarm.diagnosis.least_squares import EVALUATIONS, TOLERANCE, LeastSquares
 from flexarm.diagnosis.nuisance import NuisanceModel
-from flexarm.diagnosis.parameters import transformed_parameters
 from flexarm.diagnosis.problem import Problem
 
 LIKELY = 2.0

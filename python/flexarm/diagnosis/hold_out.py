@@ -1,14 +1,24 @@
-"""Data held out of a diagnosis, and how far they lie from the data that are fitted.
+"""Data left out of a fit: held-out records or blocks, and masked outliers.
 
-Without a record of its own, whole blocks of every record are held back: every fifth twentieth of its time
-(every fifth pose of a static record). The motion is continuous and its drive is known throughout, so that
-only evidence is taken from one part and left in the other. A row at the stamp s lies at the part
+**Held-out data.** Without a record of its own, whole blocks of every record are held out: every fifth
+twentieth of its time (every fifth pose of a static record). The motion is continuous and its drive is known
+throughout, so only evidence is removed from one part and kept in the other. A row at the stamp s lies at
 
     x = (s - d - first)/(last - first)                                                                 (1)
 
-of the record, d the offset that is stated for its clock, first and last the ends of all signals in that time.
-Of a clock whose offset is unknown they are those of its own signals: if these began and ended with the drive,
-the same blocks are held back of them.
+of the record, with d the stated offset of its clock, and first and last the ends of all signals in that time.
+If the offset of a clock is unknown, they are the ends of its own signals.
+
+**Masked outliers.** Before an effect is found, a reading is an outlier only relative to the whole gap
+(`validation.outliers`). Given a model that explains the gap the residual is noise, and r_i is an outlier if
+it is off the median m_i of its seven neighbours by
+
+    |r_i - m_i| > outlier max(sigma, s),   s = 1.48 median |r - m|                                     (2)
+
+and by more than twice what most rows around it are: one row of white noise in ten millions. Torques,
+accelerations and strains jump where teeth strike; only readings beyond twice the range of all others are
+outliers there. They are removed if the model is adequate without them, as by a loss that rejects [Huber1981].
+Held-out data lose their outliers relative to the updated model.
 """
 
 from __future__ import annotations
@@ -21,13 +31,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
 from flexarm.assembly.machine import machine_of
 from flexarm.comparison.poses import is_input
+from flexarm.diagnosis.acceptance import Criteria
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.problem import Problem
+from flexarm.errors import InvalidParameter
+from flexarm.measurement.outliers import SMOOTH, beyond_range_of_others, deviation_from_median, nearby
+from flexarm.record import Record
+from flexarm.validation.finding import ValidationResult
+from flexarm.validation.sensor_check import named_records
 from flexarm.wording import with_unit
 
 if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.record import Record, Signal
+    from flexarm.record import Signal
+
 
 BLOCKS, EVERY = 20, 5
 """Blocks of a record, of which every so-many-th is held back."""
@@ -238,3 +258,139 @@ def _time_of(record: Record, signal: Signal) -> str:
 
 def _without(signal: Signal, rows: NDArray[np.bool_]) -> Signal:
     return replace(signal, values=np.where(rows[:, None], np.nan, signal.values))
+
+
+@dataclass(frozen=True)
+class Split:
+    """Records to fit, those to check the repair with, how these were held out and why so, and remarks."""
+
+    training: dict[str, Record]
+    held_out: dict[str, Record]
+    kind: str
+    why: str
+    remarks: tuple[str, ...]
+
+    def without_strays(self, model: Arm, like: Problem) -> Split:
+        """Return what is held out loses its outliers too, beside the model that explains the rest."""
+        motions = {name: record for name, record in self.held_out.items() if record.kind == "motion"}
+        if not motions:
+            return self
+        held = Problem(model, motions, step=like.step, alpha=like.alpha, jobs=like.jobs)
+        out = strays(held.residual(model), held)
+        told = (*self.remarks, *strays_told(out, held))
+        return replace(self, held_out=left_out(self.held_out, out, held), remarks=told)
+
+
+def named_hold_out(arm: Arm, hold_out: Record | None, given: Mapping[str, Record]) -> dict[str, Record]:
+    """Return a record of its own to check the repair with, by name, if there is one; it must fit the
+    model.
+    """
+    if hold_out is None:
+        return {}
+    [record] = named_records({"hold_out": hold_out}).values()
+    record.check_against(arm)
+    for name, training in given.items():
+        if _same_values(record, training):
+            raise InvalidParameter(
+                f"holds the same values as {name!r}, which is fitted: nothing would be held out",
+                where="hold_out",
+            )
+    return {_name(record, given): record}
+
+
+def _same_values(one: Record, other: Record) -> bool:
+    """Return True if two records show the same, under whatever names and places they are kept."""
+    return set(one.signals) == set(other.signals) and all(
+        np.array_equal(signal.values, other.signals[name].values, equal_nan=True)
+        for name, signal in one.signals.items()
+    )
+
+
+def split(arm: Arm, checked: ValidationResult, held_out: ValidationResult) -> Split:
+    """Training and check: a record of its own, or else blocks of time of each."""
+    named = checked.comparable()
+    remarks = (*map(str, held_out.outliers), *held_out.remarks)
+    for record in held_out.records.values():
+        kind, why = hold_out_kind(arm, named, record), hold_out_why(arm, named, record)
+        return Split(named, dict(held_out.records), kind, why, remarks)
+    parts = {name: hold_back(record, checked.compared.get(name)) for name, record in named.items()}
+    whole = [name for name, (_, back) in parts.items() if back is None]
+    return Split(
+        {name: fitted for name, (fitted, _) in parts.items()},
+        {f"{name}, held-back blocks": back for name, (_, back) in parts.items() if back is not None},
+        "blocks",
+        "",
+        tuple(f"{name} is too short to hold a part of it back" for name in whole),
+    )
+
+
+def _name(record: Record, taken: Mapping[str, Record]) -> str:
+    """Of the held-out record: its directory's, with as many parents as names of the training have."""
+    parents = max(each.count("/") for each in taken)
+    parts = ("held_out",) if record.path is None else record.path.resolve().parts[-1 - parents :]
+    name = "/".join(parts)
+    return name if name not in taken else f"{name} (held out)"
+
+
+AROUND = 2.0
+"""How far a stray is off, over what most rows around it are."""
+MOST = 0.15
+"""Of the rows of a channel: where more are off, that is what the channel does."""
+
+
+def strays(rest: Floats, problem: Problem) -> NDArray[np.bool_]:
+    """Rows of motions that are strays by (2) in what a model leaves, shape (n,)."""
+    found = np.zeros(len(problem), dtype=bool)
+    for each, where in problem.channels():
+        record = problem.records[each.record]
+        if record.kind == "static":
+            continue
+        values = rest[where][:, None]
+        rows, off, usual = deviation_from_median(values)
+        if not len(rows):
+            continue
+        size = np.abs(off)
+        least = problem.policy.outlier
+        far = ((size > least * np.maximum(1.0, usual)) & (size > AROUND * nearby(size)))[:, 0]  # eq. (2)
+        if far.any() and record.signals[each.signal].quantity not in SMOOTH:
+            far &= beyond_range_of_others(values, far)
+        if far.mean() < MOST:
+            found[where.start + rows] = far
+    return found
+
+
+def hidden_strays(best: Fit, criteria: Criteria) -> NDArray[np.bool_]:
+    """Strays without which a model leaves no gap; none where it leaves none anyhow, or one all the same."""
+    problem = criteria.problem
+    nothing = np.zeros(len(problem), dtype=bool)
+    if not criteria.leaves_gap(best):
+        return nothing
+    found = strays(best.projected, problem)
+    rest = best.projected.copy()
+    rest[np.flatnonzero(found)] = 0.0
+    return nothing if criteria.leaves_gap(replace(best, projected=rest)) else found
+
+
+def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], problem: Problem) -> dict[str, Record]:
+    """Return records without the readings of a mask of rows, in all their channels."""
+    found = dict(records)
+    for each, where in problem.channels():
+        record = found[each.record]
+        values = record.signals[each.signal].values.copy()
+        values[np.flatnonzero(each.kept)[out[where]]] = np.nan
+        signal = replace(record.signals[each.signal], values=values)
+        found[each.record] = replace(record, signals={**record.signals, each.signal: signal})
+    return found
+
+
+def strays_told(found: NDArray[np.bool_], problem: Problem) -> list[str]:
+    """Return a sentence for each signal of a record that has some."""
+    counts: dict[tuple[str, str], int] = {}
+    for each, where in problem.channels():
+        key = (each.signal, each.record)
+        counts[key] = counts.get(key, 0) + int(found[where].sum())
+    return [
+        f"{count} value{'s' * (count > 1)} of {signal} in {record} left out: outliers that the gap had hidden"
+        for (signal, record), count in counts.items()
+        if count
+    ]

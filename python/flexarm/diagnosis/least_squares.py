@@ -2,8 +2,8 @@
 
     min over z of  C(r(z)) + sum_i ln(1 + (z_i/3)^2)                                                   (1)
 
-z are the effects' parameters on the scales of their priors (`diagnosis.parameters`), C the residual
-that clocks, frames and nominal values cannot explain (`projection`). The prior is widened to a third of its
+z are the effects' parameters on the scales of their priors (`diagnosis.candidate`), C the residual that
+clocks, frames and nominal values cannot explain (`diagnosis.fit`). The prior is widened to a third of its
 weight and has Student's wide tails, since it need not know this machine: it keeps what the data do not
 determine, such as a damping, at plausible values, and hardly moves what they do.
 
@@ -28,9 +28,8 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.budget import allows
-from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.candidate import Candidate, TransformedParameter, members_at, prior_rows
 from flexarm.diagnosis.fit import Projection
-from flexarm.diagnosis.parameters import TransformedParameter, members_at, prior_rows
 from flexarm.errors import InvalidParameter, NotConverged
 
 if TYPE_CHECKING:

@@ -1,13 +1,11 @@
-"""Why an effect is named, in a sentence.
+"""Names of effects with their probabilities, alternatives and evidence, and remarks on signals and loads.
 
-What is said of effects: names with their probabilities and alternatives, and what was rejected.
-
-A probability is that of the evidence among rivals within reach and no effect at all (eq. (1) of
-`diagnosis.alternatives`), with three doubts that evidence does not know. Some mechanism may be in no
-vocabulary. An effect whose parameter moves from record to record, or beside an encoder of which coarse steps
-hide what moved, is at most as likely as not. Where a gap stays that no effect explains, an effect may imitate
-a part of its cause: its probability is at most the part of the gap, where it acts, that it explains.
-A gap elsewhere does not make it less likely.
+A probability is that of the evidence among alternatives within reach and no effect at all (eq. (1) of
+`diagnosis.alternatives`), with three limits that evidence does not know. Some mechanism may be in no
+vocabulary. An effect whose parameter differs between records, or that coarse steps of an encoder may imitate,
+is at most as likely as not. Where a gap stays that no effect explains, an effect may imitate a part of its
+cause: its probability is at most the part of the gap, where it acts, that it explains. A gap elsewhere does
+not make it less likely.
 """
 
 from __future__ import annotations
@@ -17,17 +15,19 @@ from typing import Any
 
 import numpy as np
 
+from flexarm.comparison.alignment_parameters import has_noise, uncertain_clock_and_frame
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import probabilities
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.cross_validation import press_rms
-from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
+from flexarm.diagnosis.evidence import above_noise, log_bayes_factor, press_rms
 from flexarm.diagnosis.family import EffectFamily, clear_places
 from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.nuisance import known_loads
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
 from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.named_effects import Alternative, NamedEffect, Place, Rejected
+from flexarm.record import Signal
 from flexarm.wording import SPELT_OUT, listed, number, place_words, with_unit
 
 SHRUNK = 0.95
@@ -103,7 +103,7 @@ def _behind(rival: float, gained: float) -> str:
     """How far behind a rival is: no number beyond what the effect gains over none.
 
     Factors of pairs do not add up. The more two models differ, the more of it an error of the simulation may
-    be (eq. (4) of `diagnosis.evidence`), and no effect at all differs most.
+    be (eq. (3) of `diagnosis.evidence`), and no effect at all differs most.
     """
     return f"behind by a ln Bayes factor of {_factor(rival)}" if rival <= gained else "far behind"
 
@@ -161,7 +161,7 @@ LOST = "what the encoder lost between its counts may look like it, so that it is
 """Said of a name beside an encoder that counts in steps."""
 
 Drift = Mapping[str, Any]
-"""An effect's parameter fitted to each record, of `diagnosis.homogeneity`."""
+"""An effect's parameter fitted to each record, of `diagnosis.fit_statistics`."""
 
 
 def named_effects(
@@ -219,3 +219,83 @@ def rejected(choice: Choice, problem: Problem) -> tuple[Rejected, ...]:
                 if behind < -problem.policy.reach:
                     found[place] = Rejected(*place, behind, ON_THE_WAY)
     return tuple(sorted(found.values(), key=lambda each: -each.log_bayes_factor))
+
+
+TOLD = 1.0
+"""Least swing that is told, over the noise."""
+
+
+def initial_transients(fit: Fit, problem: Problem) -> Iterator[str]:
+    """Return a sentence for each record that begins with the arm swinging, which the gaps of a report still
+    hold.
+    """
+    x = fit.projection.solve(fit.residual)
+    for name in problem.records:
+        mine = [fit.nuisance.keys.index(s.key) for s in problem.initial_conditions if s.record == name]
+        move = fit.projection.jacobian[:, mine] @ x[mine]
+        most = {each: float(np.abs(move[each.where]).max()) for each in problem.rows_of(name)}
+        each = max(most, key=lambda rows: most[rows], default=None)
+        if mine and each is not None and most[each] > TOLD:
+            unit = problem.records[name].signals[each.signal].unit
+            size = with_unit(most[each] * each.sigma, unit)
+            yield (
+                f"{name} begins with the arm swinging, by up to {size} at {each.signal}: that is fitted "
+                "along, and still part of the gaps told here"
+            )
+
+
+_SILENT = "no noise is stated, and its values are too few or too even to show it"
+
+
+def unweighed(problem: Problem) -> Iterator[str]:
+    """Return a sentence for each signal without a stated noise: what stands for it, what is not aligned by
+    it.
+    """
+    shown: dict[str, float] = {}
+    for rows in problem.rows:
+        if not has_noise(_signal(problem, rows.record, rows.signal).noise_std):
+            shown[rows.signal] = max(shown.get(rows.signal, 0.0), rows.sigma)
+    for name, sigma in shown.items():
+        own = [(each, each.signals[name]) for each in problem.records.values() if name in each.signals]
+        places = list(
+            dict.fromkeys(
+                place for record, signal in own for place in uncertain_clock_and_frame(record, signal)
+            )
+        )
+        noise = with_unit(sigma, own[0][1].unit, 2)
+        text = f"no noise is stated for {name}: the {noise} that its values show count instead"
+        if places:
+            text += f"; the gaps before and after are not aligned by it, in {listed(places)}"
+        yield text
+
+
+def unfitted(problem: Problem, compared: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Return a sentence for each signal that a simulation predicts and of which no value is fitted.
+
+    Parameters
+    ----------
+    problem : Problem
+        Records and their rows.
+    compared : dict of str to sequence of str
+        By record the signals that the model predicts.
+    """
+    seen = {(rows.record, rows.signal) for rows in problem.rows}
+    for record in problem.records:
+        for name in compared.get(record, ()):
+            if (record, name) not in seen:
+                stated = has_noise(_signal(problem, record, name).noise_std)
+                why = "none of its values lies in the time of the drives" if stated else _SILENT
+                yield f"{record}: {name} is not fitted: {why}"
+
+
+def weighed_loads(problem: Problem) -> Iterator[str]:
+    """Return a sentence for each payload of which the records state the mass and the model an uncertainty."""
+    for load in known_loads(problem.arm, problem.records):
+        yield (
+            f"the mass of {load} is what the records state, and its uncertainty in the model has no part: "
+            "if it was weighed wrongly, leave it out of the records, or other effects stand in for it"
+        )
+
+
+def _signal(problem: Problem, record: str, name: str) -> Signal:
+    return problem.records[record].signals[name]

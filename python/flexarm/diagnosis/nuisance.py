@@ -20,9 +20,9 @@ from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, parameters, with_value
 from flexarm.arm.uncertainty import owner_of
 from flexarm.comparison.alignment_parameters import drive_clock
-from flexarm.diagnosis.candidate_places import weighed
-from flexarm.diagnosis.initial_conditions import SIGMA
+from flexarm.diagnosis.candidates import weighed
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.record_conditions import SIGMA
 from flexarm.diagnosis.residual_rows import is_non_smooth
 from flexarm.effects.base_tilt import BaseTilt
 from flexarm.effects.frame_registration import FrameRegistration

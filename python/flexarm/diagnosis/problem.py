@@ -28,16 +28,25 @@ from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.comparison.initial_guess import initial_guesses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
-from flexarm.diagnosis.base_tilts import UncertainTilt, tilt_jacobian, uncertain_tilts
 from flexarm.diagnosis.discrepancy import angles_of_poses, pose_kernels
-from flexarm.diagnosis.initial_conditions import (
+from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.diagnosis.record_conditions import (
     InitialCondition,
+    UncertainTilt,
     find_initial_conditions,
     initial_condition_jacobian,
+    tilt_jacobian,
+    uncertain_tilts,
 )
-from flexarm.diagnosis.jacobian import differences, static_jacobian
-from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.residual_rows import Rows, evidence_rows, is_non_smooth, put_over_noise, rows_left
+from flexarm.diagnosis.residual_rows import (
+    Rows,
+    differences,
+    evidence_rows,
+    is_non_smooth,
+    put_over_noise,
+    rows_left,
+    static_jacobian,
+)
 from flexarm.diagnosis.simulation_cache import SimulationCache
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.measurement.effects_of import SensorEffects

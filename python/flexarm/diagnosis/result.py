@@ -1,10 +1,19 @@
-"""The outcome of a diagnosis: verdict, effects with their rivals, what is uncertain, the repaired model."""
+"""The result of a diagnosis: verdict, effects with alternatives, refined values, prediction of held-out data.
+
+A right model leaves of a held-out record what it leaves of the training, or the noise. Held-out data choose
+no effect. The signal with the largest held-out residual relative to training and noise is reported beside the
+verdict if it exceeds them by `TIMES`.
+
+No model is adequate that leaves `TIMES` of the noise of held-out data, input noise and discretisation error
+included: the verdict is then "unexplained". Where the training begins in motion, the initial vibration counts
+as noise too.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from math import floor, isfinite, log10
+from dataclasses import dataclass, field, replace
+from math import floor, isfinite, log10, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -12,12 +21,12 @@ from flexarm.arguments import PATH, takes
 from flexarm.arm.parameter import parameters, path_of
 from flexarm.comparison.align import KEPT
 from flexarm.comparison.before_after import BeforeAfter
-from flexarm.diagnosis.prediction import HeldOutGap, unpredicted
 from flexarm.fit_statistics import FitStatistics
 from flexarm.law_curve import LawCurve
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
 from flexarm.pictures import viewed
+from flexarm.report.sentences import contradicted_sentence
 from flexarm.wording import scale, signed
 
 if TYPE_CHECKING:
@@ -25,9 +34,93 @@ if TYPE_CHECKING:
 
     from flexarm.arm import Arm
     from flexarm.comparison.comparison import Comparison
+    from flexarm.diagnosis.problem import Problem
     from flexarm.record import Record
     from flexarm.residual_analysis.localisation import Localisation
     from flexarm.viewer import View
+
+
+TIMES = 3.0
+"""Four readings of noise, as two poses have, are as far off once in three million times."""
+LEAST = {"m": 1e-6, "rad": 1e-6}
+"""By unit what a simulation misses anyway: of records without noise nothing else is left."""
+
+
+@dataclass(frozen=True)
+class HeldOutGap:
+    """Residuals of a signal after the update, in a held-out record and in the training, in its unit."""
+
+    record: str
+    signal: str
+    unit: str
+    held_out: float
+    noise: float | None
+    training: float | None
+
+    @property
+    def least(self) -> float:
+        """Return what a simulation misses anyway."""
+        return LEAST.get(self.unit, 0.0)
+
+    @property
+    def ratio(self) -> float:
+        """To the greater one of what is left of the training and the noise; zero where nothing is known."""
+        known = max(self.noise or 0.0, self.training or 0.0, self.least)
+        return self.held_out / known if known > 0 else 0.0
+
+
+def unpredicted(diagnosis: Diagnosis) -> HeldOutGap | None:
+    """Return the held-out gap that is largest relative to noise and training, or None below `TIMES`."""
+    worst = max(held_out_gaps(diagnosis), key=lambda gap: gap.ratio, default=None)
+    return None if worst is None or worst.ratio < TIMES else worst
+
+
+def adequate_if_foretold(diagnosis: Diagnosis, no_gap: Mapping[str, float], swings: bool) -> Diagnosis:
+    """Return the diagnosis, "unexplained" if it is "adequate" and held-out data contradict that.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        With held-out records before and after.
+    no_gap : dict of str to float
+        Mean square over that of the noise, by signal, of what a right model leaves beside noise.
+    swings : bool
+        Whether a record of training begins in motion, so that `compare` shows swings that a fit removes.
+    """
+    d = diagnosis
+    if d.verdict != "adequate":
+        return d
+
+    def times(left: HeldOutGap) -> float:
+        if left.noise is None or swings:
+            return left.ratio
+        return left.held_out / max(left.noise * sqrt(1 + no_gap.get(left.signal, 0.0)), left.least, 1e-300)
+
+    worst = max(held_out_gaps(d), key=times, default=None)
+    if worst is None or times(worst) < TIMES:
+        return d
+    said = contradicted_sentence(worst)
+    return replace(d, verdict="unexplained", remainder=" ".join(filter(None, (said, d.remainder))))
+
+
+def no_gap_of(problem: Problem, non_smooth: bool) -> dict[str, float]:
+    """Return the mean square over that of the noise, by signal, that drives and time steps leave at most."""
+    found: dict[str, float] = {}
+    for each in problem.rows:
+        found[each.signal] = max(found.get(each.signal, 0.0), each.explained_square(non_smooth))
+    return found
+
+
+def held_out_gaps(d: Diagnosis) -> list[HeldOutGap]:
+    """Of every record that was held out, and every signal of it that is evidence."""
+    found = []
+    for record in d.held_out:
+        for signal, gap in (d.after[record].evidence if record in d.after else {}).items():
+            held, trained = d.gap([record], signal), d.gap(d.training, signal)
+            if held.after_rms is not None:
+                unit, after = gap.unit, held.after_rms
+                found.append(HeldOutGap(record, signal, unit, after, held.noise_rms, trained.after_rms))
+    return found
 
 
 STILL = 1e-3
@@ -51,12 +144,12 @@ class Refinement:
 
     @property
     def moved(self) -> float:
-        """From the nominal value, eq. (1)."""
+        """Return the distance from the nominal value [unit]."""
         return self.refined.value - self.refined.nominal
 
     @property
     def pull(self) -> float | None:
-        """In stated sigmas, eq. (1)."""
+        """Return `moved` in stated sigmas."""
         return self.moved / self.sigma if self.sigma else None
 
     @property

@@ -155,9 +155,9 @@ def screen(
     fit : Fit
         Its effects may change along, to first order.
     pairs : dict of str to str
-        Joints that are one place, `companions.cardan_joints`: a law at both is tried as one candidate.
+        Joints that are one place, `candidates.cardan_joints`: a law at both is tried as one candidate.
     seen : callable, optional
-        What is looked at of residuals, a linear function of their columns, such as `slow.slow_part`.
+        What is looked at of residuals, a linear function of their columns, such as `proposals.slow_part`.
     """
     linear = Linear(estimator, probed, fit, seen)
     sets = [(k,) for k in linear.free] + list(linear.companions(pairs))

@@ -1,33 +1,107 @@
 """Selection of effects: forward, backward, refine, swap.
 
-*Forward*: the moves of `moves.registry` propose larger models; the best of them (`ranking`) is taken if it is
-accepted (`acceptance`). Where one effect explains too little, sets of two and three compete with it and with
-what goes on from it, since screening about the nominal model may order them wrongly. *Backward*: an effect
-that the others made needless is dropped, and the search goes forward once more. *Refine*: all values move
-together to the optimum (`refinement`). *Swap*: alternatives of each effect are fitted in its place
-(`alternatives`); one that comes out ahead takes it, and may make others needless.
+*Forward*: the moves of `moves.registry` propose larger models; the best of them is taken if it is accepted
+(`acceptance`). Where one effect explains too little, sets of two and three compete with it and with its own
+extensions, since screening about the nominal model may order them wrongly. *Backward*: an effect that the
+others made needless is dropped, and the search goes forward once more. *Refine*: all values move together to
+the optimum (`refinement`). *Swap*: alternatives of each effect are fitted in its place (`alternatives`); one
+that comes out ahead takes it, and may make others needless.
+
+**Ranking.** Larger models are compared pairwise by evidence: compared with the smaller model all of them
+differ by the whole gap, and the error of the simulation (eq. (3) of `evidence`) would hide their differences.
+Where all leave gaps, evidence rests on the size and correlation of an unknown remainder. It then decides only
+among models that predict left-out data about as well as the best one, by eq. (5) of `evidence`, and are as
+plausible, by eq. (6) of `acceptance`. A model that leaves a gap and removes too little of it ranks behind.
+When the time is over, evidence alone decides: unfinished fits predict badly and pull nuisance parameters.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cmp_to_key
+
+import numpy as np
 
 from flexarm.budget import allows, current, until
-from flexarm.diagnosis.acceptance import Criteria
+from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import Candidate, carries
-from flexarm.diagnosis.candidate_places import cardan_joints, causes, driven_joints
-from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import explained_share, log_bayes_factor
+from flexarm.diagnosis.candidates import cardan_joints, causes, driven_joints
+from flexarm.diagnosis.estimator import BETTER, Estimator
+from flexarm.diagnosis.evidence import explained_share, log_bayes_factor, log_odds_lost, press_rms
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.families import without_idle_places
 from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES
 from flexarm.diagnosis.moves.search_state import Move, SearchState
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
-from flexarm.diagnosis.ranking import best_of
-from flexarm.diagnosis.refinement import about_or_here, settled, without_effects
+from flexarm.diagnosis.refinement import about_itself, about_or_here, polished, settled, without_effects
 from flexarm.diagnosis.screening import Probed
+
+STEPS = 3
+"""Most times that a fit in conflict with priors is taken anew."""
+
+
+def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Criteria) -> tuple[Fit, Estimator]:
+    """Return the best fit, polished, with derivatives taken anew about those that come close or foretell
+    best.
+    """
+    problem = criteria.problem
+    first, *others = _ranked(fits, old, criteria)
+    if criteria.leaves_gap(first):
+        limit = criteria.early_stop([first], criteria.null, criteria.policy.halfway / 2)
+        near = [f for f in others if f.cost < limit]
+        close = sorted(near, key=lambda f: press_rms(f, problem))[:2]
+    else:
+        close = [f for f in others[:2] if _close(f, first, criteria)]
+    there = dict(about_itself(fit, estimator) for fit in (first, *close))
+    if not criteria.leaves_gap(first):
+        there |= dict(_in_steps(fit, estimator) for fit in _unsettled(others, first, criteria))
+    best = _ranked(list(there), old, criteria)[0]
+    return polished(best, there[best])
+
+
+def _ranked(fits: Sequence[Fit], old: Fit, criteria: Criteria) -> list[Fit]:
+    """Return the best first, of those worth a name if there are any."""
+    problem, reach = criteria.problem, criteria.policy.reach
+    fits = [f for f in fits if criteria.reduces(f, old) or not criteria.leaves_gap(f)] or fits
+
+    def behind(one: Fit, other: Fit) -> int:
+        return int(np.sign(log_bayes_factor(other, one, problem)))
+
+    if current().spent or not criteria.all_leave_gaps(fits):
+        return sorted(fits, key=cmp_to_key(behind))
+    odd = [implausibility(f) for f in fits]
+    less = [lost + u - min(odd) for lost, u in zip(log_odds_lost(fits, problem), odd, strict=True)]
+    lost = dict(zip(fits, (each - min(less) for each in less), strict=True))
+    near = [f for f in fits if lost[f] < reach]
+    others = [f for f in fits if lost[f] >= reach]
+    return sorted(near, key=cmp_to_key(behind)) + sorted(others, key=lambda f: lost[f])
+
+
+def _unsettled(others: Sequence[Fit], first: Fit, criteria: Criteria) -> list[Fit]:
+    """Fits that do half of what the first one does and strain values: derivatives about those are others.
+
+    A load's inertia left a third more than an eccentricity where its mass was thought to be 40 sigmas off.
+    """
+    half = (criteria.null.cost + first.cost) / 2
+    found = [f for f in others if f.cost < half and criteria.in_conflict(f)]
+    return sorted(found, key=lambda f: f.cost)[: criteria.policy.more_proposals]
+
+
+def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
+    """Return a fit about itself, and about what that finds while it leaves clearly less."""
+    for _ in range(STEPS):
+        before, (fit, estimator) = fit, about_itself(fit, estimator)
+        if fit.cost > BETTER * before.cost:
+            break
+    return fit, estimator
+
+
+def _close(fit: Fit, first: Fit, criteria: Criteria) -> bool:
+    """Return True if a fit may be as good as the first with derivatives of its own."""
+    return log_bayes_factor(first, fit, criteria.problem) < criteria.policy.close
+
 
 Note = Callable[[str, float], object]
 SEARCHED, WEIGHED = 0.75, 0.9

@@ -20,8 +20,7 @@ from flexarm.drive.lead_in import jerked
 from flexarm.record import Record
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.base_tilts import UncertainTilt
-    from flexarm.diagnosis.initial_conditions import InitialCondition
+    from flexarm.diagnosis.record_conditions import InitialCondition, UncertainTilt
 
 
 KEPT_RUNS = 8

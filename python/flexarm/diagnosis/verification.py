@@ -1,6 +1,8 @@
-"""The gap from the nominal to the repaired model, an effect at a time: what each brings.
+"""The updated model, its verification against all records, and the gap from one model to the other.
 
-What a repair does to the gap: records before and after it, where the gap lies, what each effect brings.
+The updated model is the nominal one with refined values and the effects that were found. Effects that explain
+all are kept. Where a gap is left, they are kept if they halve the cross-validated residual, or predict each
+part of the training from the others (`diagnosis.evidence`).
 """
 
 from __future__ import annotations
@@ -8,22 +10,94 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from math import log10
 
 import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect
+from flexarm.arm.parameter import with_value
 from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
 from flexarm.comparison.compare import comparison_of
 from flexarm.comparison.comparison import Comparison
 from flexarm.diagnosis.candidate import Candidate, springs_first, with_members
-from flexarm.named_effects import Stage, place_text
+from flexarm.diagnosis.evidence import cross_validated_skill, press_rms
+from flexarm.diagnosis.fit import Fit
+from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.selection import Choice
+from flexarm.diagnosis.uncertainty import Estimates
+from flexarm.errors import InvalidParameter
+from flexarm.named_effects import Estimate, Refined, Stage, place_text
 from flexarm.record import Record
-from flexarm.residual_analysis.free_decay import describe_free_decays, free_decays
 from flexarm.residual_analysis.localisation import Localisation, localise
 from flexarm.residual_analysis.noise_floor import noise_floor
-from flexarm.residual_analysis.unexplained import unexplained_residual
+from flexarm.residual_analysis.unexplained import describe_free_decays, free_decays, unexplained_residual
 from flexarm.threads import at_once
+
+Rounding = Callable[[float, float], float]
+"""Of a value, by its standard deviation."""
+
+
+def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
+    """Return the nominal model with refined values and the effects of a fit."""
+    for refined in filter(moved, sizes.refined):
+        arm = _written(partial(_refined, arm, refined))
+    found = dict(zip(fit.places, sizes.effects, strict=True))
+    for member in springs_first(fit.members):
+        arm = _written(partial(_added, arm, member, found[member.place]))
+    return arm
+
+
+def _written(change: Callable[[Rounding], Arm]) -> Arm:
+    """Return a model with its new values rounded, or as they are where one is so near a limit of what is
+    allowed.
+    """
+    try:
+        return change(_rounded)
+    except InvalidParameter:
+        return change(lambda value, _: value)
+
+
+def _refined(arm: Arm, refined: Refined, rounding: Rounding) -> Arm:
+    return with_value(arm, refined.parameter, rounding(refined.value, refined.std))
+
+
+def _added(arm: Arm, member: Candidate, values: Sequence[Estimate], rounding: Rounding) -> Arm:
+    sized = {each.name: rounding(each.value, each.std) for each in values}
+    return member.with_parameters(sized).enter(arm)
+
+
+def moved(refined: Refined) -> bool:
+    """Return True if the data say anything of a nominal value: not of one across the plane of a planar
+    arm.
+    """
+    return abs(refined.value - refined.nominal) > 1e-3 * refined.std
+
+
+def _rounded(value: float, std: float) -> float:
+    """Return a value to a thousandth of its standard deviation, so that files do not feign more."""
+    return value if not std > 0 else round(value, 3 - int(np.floor(log10(std))))
+
+
+def worth_keeping(choice: Choice, problem: Problem) -> bool:
+    """Return True if a fit that does not explain all is better than none: it closes half, or it predicts."""
+    if not choice.best.members:
+        return False
+    best, null = choice.best, choice.null
+    if _closes(best, null, problem):
+        return True
+    return (
+        cross_validated_skill(best, null, choice.estimator.nominal_residual(), problem)
+        > problem.policy.predictive_share
+    )
+
+
+def _closes(best: Fit, null: Fit, problem: Problem) -> bool:
+    """Return True if a fit closes enough of the gap, also where it was not fitted, to be kept with one
+    left.
+    """
+    return press_rms(best, problem) < (1 - problem.policy.most_of_gap) * press_rms(null, problem)
+
 
 Gaps = Mapping[str, Comparison]
 """A model beside each record."""

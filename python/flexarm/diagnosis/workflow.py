@@ -22,11 +22,16 @@ from flexarm.diagnosis.candidates import candidates, rhythms
 from flexarm.diagnosis.design.next_experiment import NextExperiment, next_experiment
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.fit_statistics import fit_statistics
-from flexarm.diagnosis.homogeneity import constancy
-from flexarm.diagnosis.identifiability import bound_sentence, has_implausible_size, restore_unidentifiable
-from flexarm.diagnosis.masked_outliers import hidden_strays, left_out, strays_told
-from flexarm.diagnosis.naming import named_effects, rejected
+from flexarm.diagnosis.fit_statistics import constancy, fit_statistics
+from flexarm.diagnosis.hold_out import hidden_strays, left_out, named_hold_out, split, strays_told
+from flexarm.diagnosis.naming import (
+    initial_transients,
+    named_effects,
+    rejected,
+    unfitted,
+    unweighed,
+    weighed_loads,
+)
 from flexarm.diagnosis.noise_model import (
     allow_for_input_noise,
     discretisation_remarks,
@@ -34,23 +39,31 @@ from flexarm.diagnosis.noise_model import (
     input_noise_by_signal,
     input_noise_errors,
     input_noise_remarks,
+    step_remarks,
     weighted_by_input_noise,
+    with_fine_step,
 )
 from flexarm.diagnosis.nuisance import counted_from_stamps, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.prediction import adequate_if_foretold, no_gap_of
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.quantisation import CoarseEncoder, with_coarse_encoders
-from flexarm.diagnosis.remarks import initial_transients, unfitted, unweighed, weighed_loads
-from flexarm.diagnosis.repair import moved, repaired, worth_keeping
-from flexarm.diagnosis.result import Diagnosis, Verdict
+from flexarm.diagnosis.result import Diagnosis, Verdict, adequate_if_foretold, no_gap_of
 from flexarm.diagnosis.screening import probe
-from flexarm.diagnosis.search_step import step_remarks, with_fine_step
 from flexarm.diagnosis.selection import Choice, choose
-from flexarm.diagnosis.split import named_hold_out, split
-from flexarm.diagnosis.uncertainty import Estimates, estimates
-from flexarm.diagnosis.verification import Bench, main_signal, verified
-from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
+from flexarm.diagnosis.sensors import (
+    CoarseEncoder,
+    set_zeros,
+    with_coarse_encoders,
+    with_zeros,
+    without_idle_zeros,
+)
+from flexarm.diagnosis.uncertainty import (
+    Estimates,
+    bound_sentence,
+    estimates,
+    has_implausible_size,
+    restore_unidentifiable,
+)
+from flexarm.diagnosis.verification import Bench, main_signal, moved, repaired, verified, worth_keeping
 from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.search import MissingLaws, law_remarks, missing_laws
 from flexarm.named_effects import NamedEffect

@@ -36,10 +36,9 @@ from scipy.linalg import block_diag
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.budget import allows
-from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.candidate import Candidate, members_at
 from flexarm.diagnosis.estimator import FORETOLD, Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
-from flexarm.diagnosis.parameters import members_at
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.uncertainty import Estimates, estimates_at
 from flexarm.effects.tabulated_law import TabulatedLaw

@@ -15,9 +15,9 @@ from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.repair import repaired
+from flexarm.diagnosis.sensors import without_idle_zeros
 from flexarm.diagnosis.uncertainty import Estimates
-from flexarm.diagnosis.zeros import without_idle_zeros
+from flexarm.diagnosis.verification import repaired
 from flexarm.effects.tabulated_law import ACTS, TabulatedLaw
 from flexarm.law_curve import LawCurve, LawKind
 from flexarm.missing_law.base import BASE

@@ -18,8 +18,7 @@ from flexarm.wording import listed, number, place_words, probability, scale, sig
 
 if TYPE_CHECKING:
     from flexarm.comparison.before_after import BeforeAfter
-    from flexarm.diagnosis.prediction import HeldOutGap
-    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.diagnosis.result import Diagnosis, HeldOutGap
     from flexarm.named_effects import Alternative, NamedEffect
 
 

@@ -6,7 +6,7 @@ import pytest
 from tests.helpers.arms import hinge, point
 
 from flexarm import Arm
-from flexarm.diagnosis.candidate_places import cardan_joints, causes
+from flexarm.diagnosis.candidates import cardan_joints, causes
 
 
 def guide(mass: float = 0.0, shift: float = 0.0) -> Arm:

@@ -9,9 +9,9 @@ import flexarm
 from flexarm import Record, Signal
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.naming import initial_transients
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.remarks import initial_transients
 from flexarm.errors import InvalidParameter
 from flexarm.report.sentences import hold_out_sentence
 from flexarm.validation.sensor_check import check, clean_records

@@ -10,9 +10,9 @@ from posed import posed, poses
 
 import flexarm
 from flexarm.arm.prior import Prior
+from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.identifiability import bound_sentence, estimates_at_bounds, has_implausible_size
-from flexarm.diagnosis.parameters import TransformedParameter
+from flexarm.diagnosis.uncertainty import bound_sentence, estimates_at_bounds, has_implausible_size
 from flexarm.effects import LinkStiffness, PayloadMass
 
 SCALE = TransformedParameter(0, "scale", Prior(0.6, 1.25, 1.0, "log", "", "a test"))

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.cross_validation import folds
+from flexarm.diagnosis.candidate import Candidate, TransformedParameter
+from flexarm.diagnosis.evidence import folds
 from flexarm.diagnosis.fit import Fit, Projection
-from flexarm.diagnosis.parameters import TransformedParameter
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.uncertainty import deviations, estimates, surrogates, whole_turns
 from flexarm.effects import PayloadMass

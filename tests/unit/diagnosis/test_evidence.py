@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.candidate import Candidate, TransformedParameter
 from flexarm.diagnosis.discrepancy import TimeDiscrepancy
 from flexarm.diagnosis.evidence import Evidence, above_noise, autocovariance, explained_share, occam
 from flexarm.diagnosis.fit import Projection
-from flexarm.diagnosis.parameters import TransformedParameter
 from flexarm.effects.backlash import Backlash
 from flexarm.effects.cable_torque import CableTorque
 from flexarm.effects.joint_compliance import JointCompliance

@@ -10,16 +10,16 @@ from numpy.linalg import LinAlgError
 
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis import alternatives as rivals
-from flexarm.diagnosis import ranking
 from flexarm.diagnosis import refinement as polish
 from flexarm.diagnosis import screening as screen
+from flexarm.diagnosis import selection
 from flexarm.diagnosis import selection as choose
 from flexarm.diagnosis.acceptance import Criteria
+from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves import confounding as takeover
 from flexarm.diagnosis.moves import proposals as promising
 from flexarm.diagnosis.nuisance import NuisanceModel, NuisanceParameter
-from flexarm.diagnosis.parameters import TransformedParameter
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.errors import InvalidParameter, NotConverged
 
@@ -109,11 +109,11 @@ def test_the_model_without_effects_stays_where_no_derivatives_can_be_taken():
 @pytest.mark.parametrize("failing", ["a", "b"])
 def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monkeypatch):
     """ "a" comes first and "b" close; about itself each leaves a tenth of what it left before."""
-    monkeypatch.setattr(ranking, "_ranked", lambda fits, *_: sorted(fits, key=lambda fit: fit.cost))
+    monkeypatch.setattr(selection, "_ranked", lambda fits, *_: sorted(fits, key=lambda fit: fit.cost))
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
-    monkeypatch.setattr(ranking, "_close", lambda *_: True)
-    monkeypatch.setattr(ranking, "_unsettled", lambda *_: [])
-    monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
+    monkeypatch.setattr(selection, "_close", lambda *_: True)
+    monkeypatch.setattr(selection, "_unsettled", lambda *_: [])
+    monkeypatch.setattr(selection, "polished", lambda fit, about: (fit, about))
 
     def again(_, nearby):
         return Made(nearby.name, nearby.cost / 10)
@@ -122,9 +122,9 @@ def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monk
         return raises() if fit.name == failing else SimpleNamespace(fit=again)
 
     estimator = SimpleNamespace(about=about, problem=None)
-    best, there = ranking.best_of(estimator, [Made("a", 1.0), Made("b", 2.0)], None, CRITERIA)
+    best, there = selection.best_of(estimator, [Made("a", 1.0), Made("b", 2.0)], None, CRITERIA)
     assert (best.name, best.cost) == {"a": ("b", 0.2), "b": ("a", 0.1)}[failing]
-    alone, there = ranking.best_of(estimator, [Made(failing, 1.0)], None, CRITERIA)
+    alone, there = selection.best_of(estimator, [Made(failing, 1.0)], None, CRITERIA)
     assert (alone.cost, there) == (1.0, estimator)
 
 

@@ -9,7 +9,7 @@ from planted import two_joints
 from posed import posed, poses
 
 import flexarm
-from flexarm.diagnosis.prediction import TIMES, HeldOutGap, adequate_if_foretold
+from flexarm.diagnosis.result import TIMES, HeldOutGap, adequate_if_foretold
 from flexarm.effects import JointCompliance
 from flexarm.report.diagnosis import write
 from flexarm.report.sentences import unpredicted_sentence

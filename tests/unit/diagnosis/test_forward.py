@@ -11,7 +11,7 @@ from flexarm.diagnosis import selection as module
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.moves import confounding, search_state, springs
+from flexarm.diagnosis.moves import confounding, registry, search_state
 from flexarm.diagnosis.moves import proposals as promising
 from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.nuisance import nuisance_model
@@ -371,14 +371,14 @@ def test_an_effect_is_looked_for_beside_a_spring_elsewhere_that_leaves_as_little
     found.tried = [far, twin]
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)
     monkeypatch.setattr(
-        springs, "new_springs", lambda fit: {at for name, at in fit.places if "joint" in name}
+        registry, "new_springs", lambda fit: {at for name, at in fit.places if "joint" in name}
     )
     monkeypatch.setattr(found, "awake", lambda fit, about: [rubs, other])
     asked = []
     monkeypatch.setattr(
-        springs, "fit_singles", lambda about, laws, fit, criteria: asked.append((laws, fit)) or []
+        registry, "fit_singles", lambda about, laws, fit, criteria: asked.append((laws, fit)) or []
     )
-    assert springs.twin_spring(found, best, None, []) == []
+    assert registry.twin_spring(found, best, None, []) == []
     assert asked == [([rubs], twin)]
 
 

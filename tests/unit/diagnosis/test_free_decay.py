@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexarm import Record, Signal
-from flexarm.residual_analysis.free_decay import (
+from flexarm.residual_analysis.unexplained import (
     PERIODS,
     DecaySegment,
     decay_segments,

@@ -10,8 +10,7 @@ from planted import two_joints
 
 import flexarm
 from flexarm import Record, Signal
-from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why
-from flexarm.diagnosis.split import named_hold_out, split
+from flexarm.diagnosis.hold_out import hold_back, hold_out_kind, hold_out_why, named_hold_out, split
 from flexarm.effects import PayloadMass
 from flexarm.errors import InvalidParameter
 from flexarm.record.table import CarriedPayload, Clock, DrawnLink

@@ -5,7 +5,7 @@ import pytest
 
 import flexarm
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.identifiability import restore_unidentifiable
+from flexarm.diagnosis.uncertainty import restore_unidentifiable
 from flexarm.named_effects import Refined
 
 ACROSS = Refined("points.tip.position.y", 2e-4, 4.9e-4, 0.0, "m")

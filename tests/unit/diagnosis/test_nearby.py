@@ -9,8 +9,8 @@ from planted import run_of
 import flexarm
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.moves import rescreening as module
-from flexarm.diagnosis.moves.rescreening import SMALL, nearby
+from flexarm.diagnosis.moves import search_state as module
+from flexarm.diagnosis.moves.search_state import SMALL, nearby
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import LONGER, probe, screen

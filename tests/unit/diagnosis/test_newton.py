@@ -9,14 +9,13 @@ from scipy.optimize import minimize
 
 import flexarm
 from flexarm.arm.prior import Prior
+from flexarm.diagnosis.candidate import ACROSS, STEP, TransformedParameter
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Projection
-from flexarm.diagnosis.minimisers import gauss_newton_step, linearised, objective, predicted_decrease
 from flexarm.diagnosis.nuisance import nuisance_model
-from flexarm.diagnosis.parameters import ACROSS, STEP, TransformedParameter
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.refinement import settled
+from flexarm.diagnosis.refinement import gauss_newton_step, linearised, objective, predicted_decrease, settled
 from flexarm.diagnosis.uncertainty import estimates
 from flexarm.effects import LinkStiffness
 from flexarm.measurement import predict

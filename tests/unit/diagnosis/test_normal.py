@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.generalised_least_squares import NormalEquations
+from flexarm.diagnosis.fit import NormalEquations
 
 RNG = np.random.default_rng(31)
 UNITS = np.array([1e-6, 1.0, 1e4])

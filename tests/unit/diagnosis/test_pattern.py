@@ -7,9 +7,9 @@ import pytest
 from arms import compliance, crane
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.minimisers import STEPS, hooke_jeeves
+from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.nuisance import NuisanceModel, NuisanceParameter
-from flexarm.diagnosis.parameters import TransformedParameter
+from flexarm.diagnosis.refinement import STEPS, hooke_jeeves
 from flexarm.effects import Backlash
 
 PRIOR = Prior(1e-4, 2e-3, 5e-4, "log", "rad", "made up")

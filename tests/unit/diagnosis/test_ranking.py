@@ -8,8 +8,8 @@ import pytest
 
 from flexarm.budget import limited
 from flexarm.diagnosis import alternatives as rivals
-from flexarm.diagnosis import cross_validation as left_out
-from flexarm.diagnosis import ranking
+from flexarm.diagnosis import evidence as left_out
+from flexarm.diagnosis import selection
 from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.policy import SelectionPolicy
 
@@ -37,13 +37,13 @@ class Made:
 
 @pytest.fixture(autouse=True)
 def made_up(monkeypatch):
-    for module in (ranking, rivals):
+    for module in (selection, rivals):
         monkeypatch.setattr(
             module, "log_bayes_factor", lambda one, other, problem: one.evidence - other.evidence
         )
     monkeypatch.setattr(left_out, "press_rms", lambda fit, problem: fit.press_rms)
     monkeypatch.setattr(left_out, "folds", lambda problem: range(24))
-    monkeypatch.setattr(ranking, "implausibility", lambda fit: fit.odd)
+    monkeypatch.setattr(selection, "implausibility", lambda fit: fit.odd)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda self, fit: fit.gap)
     monkeypatch.setattr(Criteria, "reduces", lambda self, new, old: new.cost < 0.97 * old.cost)
 
@@ -54,7 +54,7 @@ CRITERIA = Criteria(OBSERVED, NULL)
 
 
 def ranked(*fits):
-    return [fit.name for fit in ranking._ranked(fits, NULL, CRITERIA)]
+    return [fit.name for fit in selection._ranked(fits, NULL, CRITERIA)]
 
 
 def test_beside_gaps_what_foretells_best_comes_first():
@@ -123,17 +123,17 @@ def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
         left = costs[fit.name]
         return Made(fit.name, left.pop(0) if left else fit.cost, 1.0, 50.0 - fit.cost, gap=False), estimator
 
-    monkeypatch.setattr(ranking, "about_itself", about_itself)
+    monkeypatch.setattr(selection, "about_itself", about_itself)
     monkeypatch.setattr(Criteria, "conflict", lambda self, fit: strained.get(fit.name, 0.0))
-    monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
-    monkeypatch.setattr(ranking, "_ranked", lambda fits, *_: sorted(fits, key=lambda f: f.cost))
-    monkeypatch.setattr(ranking, "_close", lambda *_: False)
+    monkeypatch.setattr(selection, "polished", lambda fit, about: (fit, about))
+    monkeypatch.setattr(selection, "_ranked", lambda fits, *_: sorted(fits, key=lambda f: f.cost))
+    monkeypatch.setattr(selection, "_close", lambda *_: False)
     fits = [
         Made("encoder_eccentricity", 12.0, 1.0, gap=False),
         Made("payload_inertia", 18.0, 1.0, gap=False),
         Made("link_mass", 90.0, 1.0, gap=False),  # does less than half: not asked
     ]
-    best, _ = ranking.best_of(SimpleNamespace(problem=OBSERVED), fits, NULL, CRITERIA)
+    best, _ = selection.best_of(SimpleNamespace(problem=OBSERVED), fits, NULL, CRITERIA)
     assert (best.name, best.cost) == ("payload_inertia", 10.9)
 
 
@@ -141,12 +141,12 @@ def test_beside_a_gap_only_what_explains_about_as_much_is_taken_anew(monkeypatch
     """Of 100 the first leaves 40: what leaves more than (1 + 1/10) 40 + (100 - 40)/4 = 59 stays as it is."""
     anew = []
     monkeypatch.setattr(
-        ranking, "about_itself", lambda fit, estimator: (anew.append(fit.name) or fit, estimator)
+        selection, "about_itself", lambda fit, estimator: (anew.append(fit.name) or fit, estimator)
     )
-    monkeypatch.setattr(ranking, "polished", lambda fit, about: (fit, about))
-    monkeypatch.setattr(ranking, "press_rms", lambda fit, problem: fit.press_rms)
+    monkeypatch.setattr(selection, "polished", lambda fit, about: (fit, about))
+    monkeypatch.setattr(selection, "press_rms", lambda fit, problem: fit.press_rms)
     fits = [Made("first", 40.0, 4.0), Made("near", 58.0, 6.0), Made("far", 60.0, 6.0)]
-    ranking.best_of(SimpleNamespace(problem=OBSERVED), fits, NULL, CRITERIA)
+    selection.best_of(SimpleNamespace(problem=OBSERVED), fits, NULL, CRITERIA)
     assert anew == ["first", "near"]
 
 

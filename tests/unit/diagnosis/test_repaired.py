@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import diagnoses
 
 import flexarm
-from flexarm.diagnosis import repair
+from flexarm.diagnosis import verification
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.repair import repaired
 from flexarm.diagnosis.uncertainty import Estimates
+from flexarm.diagnosis.verification import repaired
 from flexarm.effects.link_damping import LinkDamping
 from flexarm.named_effects import Estimate, Refined
 
@@ -49,9 +49,9 @@ def test_a_repair_is_held_against_the_model_as_it_is_stated(monkeypatch):
     stated, asked = object(), []
     null, best = SimpleNamespace(residual=object()), SimpleNamespace(members=("spring",))
     choice = SimpleNamespace(best=best, null=null, estimator=SimpleNamespace(nominal_residual=lambda: stated))
-    monkeypatch.setattr(repair, "_closes", lambda *_: False)
+    monkeypatch.setattr(verification, "_closes", lambda *_: False)
     monkeypatch.setattr(
-        repair, "cross_validated_skill", lambda best, null, residual, _: asked.append(residual) or 1.0
+        verification, "cross_validated_skill", lambda best, null, residual, _: asked.append(residual) or 1.0
     )
-    assert repair.worth_keeping(choice, SimpleNamespace(policy=SelectionPolicy()))
+    assert verification.worth_keeping(choice, SimpleNamespace(policy=SelectionPolicy()))
     assert asked == [stated]

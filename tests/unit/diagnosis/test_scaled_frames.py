@@ -6,7 +6,7 @@ from arms import TUBE, beam, hinge, point, smooth_step
 
 import flexarm
 from flexarm.arm.effect import read_effect
-from flexarm.diagnosis.candidate_places import places_of
+from flexarm.diagnosis.candidates import places_of
 from flexarm.diagnosis.problem import Problem
 from flexarm.effects import FrameDrift, FrameScale
 from flexarm.record import Clock, Frame

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.minimisers import multi_start
 from flexarm.diagnosis.moves import proposals as promising
 from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.diagnosis.refinement import multi_start
 from flexarm.effects import Backlash, CoulombFriction
 from flexarm.errors import NotConverged
 

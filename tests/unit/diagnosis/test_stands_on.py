@@ -10,7 +10,7 @@ from flexarm.diagnosis.alternatives import rivals_of
 from flexarm.diagnosis.candidate import carries
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.moves.rescreening import awakened, new_springs
+from flexarm.diagnosis.moves.search_state import awakened, new_springs
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import probe, screen, together

@@ -10,7 +10,7 @@ from posed import changed
 
 import flexarm
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.masked_outliers import hidden_strays, strays, strays_told
+from flexarm.diagnosis.hold_out import hidden_strays, strays, strays_told
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.residual_rows import Rows, rows_left
 

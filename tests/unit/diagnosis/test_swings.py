@@ -8,10 +8,10 @@ from diagnoses import SENSORS
 import flexarm
 from flexarm.diagnosis.design.experiment import from_record
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.initial_conditions import FINER, HEIGHT, initial_condition_jacobian
+from flexarm.diagnosis.naming import initial_transients
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.remarks import initial_transients
+from flexarm.diagnosis.record_conditions import FINER, HEIGHT, initial_condition_jacobian
 from flexarm.diagnosis.uncertainty import estimates
 from flexarm.drive.lead_in import LEAD
 from flexarm.record import Clock, Frame

@@ -6,8 +6,8 @@ import pytest
 
 from flexarm import Record, Signal
 from flexarm.comparison import compare
+from flexarm.diagnosis.naming import unfitted, unweighed, weighed_loads
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.remarks import unfitted, unweighed, weighed_loads
 from flexarm.record import CarriedPayload
 from flexarm.validation.sensor_check import check
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.fit import Projection
-from flexarm.diagnosis.generalised_least_squares import gls_nuisance, gls_step
-from flexarm.diagnosis.parameters import TransformedParameter, prior_rows
+from flexarm.diagnosis.candidate import TransformedParameter, prior_rows
+from flexarm.diagnosis.fit import Projection, gls_nuisance, gls_step
 
 SIGMA = np.array([0.5, 2.0])
 

@@ -6,7 +6,7 @@ from arms import TUBE, beam, hinge, point, smooth_step
 
 import flexarm
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.zeros import set_zeros, with_zeros, without_idle_zeros
+from flexarm.diagnosis.sensors import set_zeros, with_zeros, without_idle_zeros
 from flexarm.named_effects import Refined
 
 ENCODER = {"quantity": "joint_angle", "joint": "hinge"}

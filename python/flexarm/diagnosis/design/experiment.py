@@ -1,11 +1,8 @@
-"""An experiment that has not been run: motion, sensors, what is carried, and how clocks and frames are known.
+"""Experiments that have not been run: motion, sensors, payloads, and how well clocks and frames are known.
 
-Its virtual record is what the sensors would write of a model.
-
-Experiments from a drive or from a record that is made again, and what is assumed where nobody says.
-
-A sensor that states no noise has that of `NOISE`, and a tracker a clock and a registration of its own, known
-to `CLOCK` and `FRAME`; `Experiment.assumed` says so.
+The virtual record of an experiment holds the readings of its sensors for a model. Experiments are made from a
+drive, or from a record that is to be repeated. A sensor that states no noise has that of `NOISE`, and a
+tracker a clock and a registration of its own, known to `CLOCK` and `FRAME`; `Experiment.assumed` lists these.
 """
 
 from __future__ import annotations

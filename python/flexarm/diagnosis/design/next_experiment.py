@@ -1,25 +1,170 @@
-"""The next experiment: the additional measurement that separates the named effects from their alternatives.
+r"""The next experiment: the additional measurement that separates the named effects from their alternatives.
 
-How far one parts them says `design.information_gain`. Where no known effect explains the gap, it is the
-repetition that would show of which kind the remainder is.
+The named model and each alternative have been fitted to the data at hand. Their predictions of another run
+differ by d. An alternative may be refitted to both, data at hand (rows 0) and to come (rows 1), its
+parameters z within their priors, with clocks, frames and nominal values u,
+
+.. math:: v = \begin{pmatrix} d_0 \\ d_1 \end{pmatrix} - \begin{pmatrix} J_0 & Z_0 \\ J_1 & Z_1 \end{pmatrix}
+   \begin{pmatrix} u \\ z \end{pmatrix}                                                                (1)
+
+The expected log Bayes factor of the named effect, if it is right, is eq. (2) of `design.separation`. Where no
+known effect explains the gap, the next experiment is the repetition that would show the kind of remainder.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
 
+from flexarm.arm import Arm
+from flexarm.arrays import Floats
 from flexarm.diagnosis.alternatives import Rival
-from flexarm.diagnosis.design.candidate_measurements import Addition
-from flexarm.diagnosis.design.information_gain import gains
+from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.design.candidate_measurements import Addition, menu, with_points
+from flexarm.diagnosis.design.experiment import Experiment, from_record
+from flexarm.diagnosis.design.separation import expected_log_bayes_factor
+from flexarm.diagnosis.fit import Fit, Projection
+from flexarm.diagnosis.nuisance import NuisanceParameter, nominal
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
+from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record
 from flexarm.wording import listed, number, place_words
+
+PRIOR = 3.0
+"""Sigma of z in (1), as in `least_squares`."""
+
+
+def gains(
+    choice: Choice, problem: Problem, name: str, record: Record, pairs: Sequence[tuple[int, Rival]]
+) -> Iterator[tuple[Addition, list[float]]]:
+    """E ln B of every pair with every addition."""
+    arm = choice.estimator.with_effects(choice.best.members)
+    noise = {row.signal: row.sigma for row in problem.rows if row.record == name}
+    step = problem.step
+    try:
+        run = from_record(name, record, arm, noise)
+        additions = menu(problem.arm, [run], run.run(arm, step, problem.alpha))
+    except (InvalidParameter, NotConverged):
+        return
+    there = with_points(arm, additions)
+    present = _present(choice, pairs)
+    sensors = [sensor for addition in additions for sensor in addition.sensors]
+    logged = replace(run, sensors=(*run.sensors, *sensors))
+    with_all: list[_Next | None] = []  # one run serves all sensors that may be added
+    for addition in additions:
+        own = {*(s.name for s in run.sensors), *(s.name for s in addition.sensors)}
+        if addition.sensors and not with_all:
+            with_all.append(_Next.of(logged, there, choice, problem, pairs))
+        rows = with_all[0] if addition.sensors else _Next.of(addition.runs[0], there, choice, problem, pairs)
+        if rows is not None:
+            yield addition, [_expected(present, rows, k, own) for k in range(len(pairs))]
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Rows of (1): differences d and derivatives Z for each pair, derivatives J by unknowns."""
+
+    nuisance: tuple[NuisanceParameter, ...]
+    jacobian: Floats
+    apart: list[Floats]
+    moves: list[Floats]
+
+
+def _present(choice: Choice, pairs: Sequence[tuple[int, Rival]]) -> _Rows:
+    """Rows 0 of (1)."""
+    estimator = choice.estimator
+    best = estimator.problem.residual(estimator.with_effects(choice.best.members))
+    apart = [estimator.problem.residual(estimator.with_effects(r.fit.members)) - best for _, r in pairs]
+    return _Rows(
+        estimator.nuisance.parameters, estimator.jacobian, apart, [rival.fit.jacobian for _, rival in pairs]
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Next:
+    """Rows 1 of (1), and which signal each belongs to."""
+
+    rows: _Rows
+    signals: list[str]
+
+    @classmethod
+    def of(
+        cls,
+        run: Experiment,
+        arm: Arm,
+        choice: Choice,
+        problem: Problem,
+        pairs: Sequence[tuple[int, Rival]],
+    ) -> _Next | None:
+        """Of a run; None if it cannot be simulated."""
+        step = problem.step
+        try:
+            record = run.record(arm, step, problem.alpha)
+            there = Problem(arm, {run.name: record}, step=step, alpha=problem.alpha, jobs=problem.jobs)
+            best = there.residual(arm)
+            each = _unknowns(choice, arm, there)
+            jacobian = there.jacobian(arm, [u.key for u in each])
+            models = [_put(arm, choice, rival.fit) for _, rival in pairs]
+            apart = [there.residual(model) - best for model in models]
+            moves = [
+                _derivatives(there, arm, choice, rival.fit, best + d)
+                for (_, rival), d in zip(pairs, apart, strict=True)
+            ]
+        except (InvalidParameter, NotConverged):
+            return None
+        signals = [row.signal for row, where in there.channels() for _ in range(where.stop - where.start)]
+        return cls(_Rows(each, jacobian, apart, moves), signals)
+
+
+def _unknowns(choice: Choice, arm: Arm, problem: Problem) -> tuple[NuisanceParameter, ...]:
+    """Those of the diagnosis, and the places of reflectors that are added."""
+    known = choice.estimator.nuisance.parameters
+    taken = {u.key for u in known}
+    more = (u for u in nominal(arm, problem.records) if u.key not in taken and u.key.startswith("points."))
+    return (*known, *more)
+
+
+def _put(arm: Arm, choice: Choice, fit: Fit, members: Sequence[Candidate] | None = None) -> Arm:
+    """Return a fitted model with the points and unknowns of `arm`."""
+    found = choice.estimator.with_effects(fit.members if members is None else members)
+    return found.replace(points=arm.points, uncertainty=arm.uncertainty)
+
+
+def _derivatives(problem: Problem, arm: Arm, choice: Choice, fit: Fit, here: Floats) -> Floats:
+    """Z of (1) by finite steps."""
+    columns = []
+    for parameter, z in zip(fit.parameters, fit.z, strict=True):
+        members = list(fit.members)
+        member = members[parameter.candidate]
+        step = parameter.step(float(z), problem.seconds)
+        members[parameter.candidate] = member.with_parameters(
+            {parameter.name: parameter.value(float(z) + step)}
+        )
+        try:
+            columns.append((problem.residual(_put(arm, choice, fit, members)) - here) / step)
+        except (InvalidParameter, NotConverged):
+            columns.append(np.zeros_like(here))
+    return np.stack(columns, axis=1) if columns else np.empty((len(here), 0))
+
+
+def _expected(present: _Rows, found: _Next, k: int, signals: Iterable[str]) -> float:
+    """E ln B of pair k, of the signals that an addition has."""
+    wanted = set(signals)
+    kept = np.array([signal in wanted for signal in found.signals])
+    new = found.rows
+    more = len(new.nuisance) - len(present.nuisance)
+    before = np.column_stack([present.jacobian, np.zeros((len(present.jacobian), more)), present.moves[k]])
+    after = np.column_stack([new.jacobian, new.moves[k]])[kept]
+    sigma = np.concatenate([[u.sigma for u in new.nuisance], np.full(present.moves[k].shape[1], PRIOR)])
+    apart = np.concatenate([present.apart[k], new.apart[k][kept]])
+    v = Projection(np.vstack([before, after]), sigma).project(apart[:, None])  # eq. (1)
+    return float(expected_log_bayes_factor(v, len(apart))[0])
+
 
 ENOUGH = 10.0
 """Of additions that all promise so much ln B, the cheapest is proposed."""

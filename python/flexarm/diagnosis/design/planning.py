@@ -1,12 +1,10 @@
-"""An effect at a place, as a plan tells it: its size, the smallest one that is seen, or why none is.
+"""Planning: which effects an experiment could tell apart, before it is run.
 
-Planning: which effects an experiment could tell apart, before it is run.
+    motions, sensors -> virtual records of the nominal model -> response to every effect at every place
+    -> expected log Bayes factors of all pairs -> additions that separate indistinguishable pairs
 
-    motions, sensors -> virtual records of the nominal model -> what every effect at every place would do to
-    them -> expected log Bayes factors of all pairs -> what would part those that are tied
-
-The same candidates, probes and unknowns as in a diagnosis, without data; see `design.separation`
-for the numbers.
+Candidates, probes and nuisance parameters are those of a diagnosis, without data; `design.separation` has the
+equations.
 """
 
 from __future__ import annotations
@@ -25,8 +23,17 @@ from flexarm.diagnosis.candidate import value_of
 from flexarm.diagnosis.design.candidate_measurements import menu
 from flexarm.diagnosis.design.experiment import Experiment, from_drive, from_record
 from flexarm.diagnosis.design.plan_result import FAR, Plan, PlannedEffect, Tie
-from flexarm.diagnosis.design.separation import against_none, cliques, gaps_of, matrix, shown_by
-from flexarm.diagnosis.design.virtual_experiment import Laboratory, lesser_factor, pairs, ties
+from flexarm.diagnosis.design.separation import (
+    Laboratory,
+    against_none,
+    cliques,
+    gaps_of,
+    lesser_factor,
+    matrix,
+    pairs,
+    shown_by,
+    ties,
+)
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter

@@ -31,8 +31,7 @@ from flexarm.diagnosis.acceptance import conflict
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
-from flexarm.diagnosis.moves.rescreening import same_in_small_steps, small_steps
-from flexarm.diagnosis.moves.search_state import SearchState
+from flexarm.diagnosis.moves.search_state import SearchState, same_in_small_steps, small_steps
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.screening import LONGER, Probed, in_proportion, possible
 from flexarm.named_effects import Place

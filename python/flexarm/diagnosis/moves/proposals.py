@@ -26,9 +26,9 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
-from flexarm.diagnosis.minimisers import multi_start
 from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.refinement import multi_start
 from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
 from flexarm.named_effects import Place
 

@@ -1,19 +1,23 @@
-"""Initial conditions: the free vibration of an arm when its record begins, as nuisance parameters.
+"""Conditions of records as nuisance parameters: the initial vibration of the arm, and the tilt of its base.
 
-A record that begins in motion does not tell what the arm did before. Whatever it was, free vibrations are
-left of it, and those are the same that jerks of the drives before the first sample leave (eq. (2) of
-`drive.lead_in`). A jerk half a period long excites a mode; one that ends with the lead-in and one that ends a
-quarter of a period earlier excite it in both phases. So the residual changes by
+**Initial vibration.** A record that begins in motion does not tell what the arm did before. Free vibrations
+are left of it, and jerks of the drives before the first sample leave the same (eq. (2) of `drive.lead_in`). A
+jerk half a period long excites a mode; one that ends with the lead-in and one that ends a quarter of a period
+earlier excite it in both phases. The residual changes in proportion to the unknown strength x_k of each jerk,
 
     r = r_0 + sum_k (r(jerk_k) - r_0)/h x_k                                                           (1)
 
-in proportion to how strong each jerk was, x_k, which nobody knows. Of the jerks of all drives for the lowest
-modes those are taken that leave something of their own.
+Of the jerks of all drives for the lowest modes those are kept whose responses are linearly independent.
+
+**Tilt of the base.** Records may state how the base stood, with a sigma. The residual is linear about the
+stated tilt of each record and axis,
+
+    r = r_0 + (r(tilt + sigma) - r(tilt - sigma))/(2 sigma) x                                         (2)
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -24,6 +28,7 @@ from flexarm.arrays import Floats
 from flexarm.drive import Drive
 from flexarm.drive.lead_in import LEAD
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.record import Record
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.problem import Problem
@@ -126,3 +131,51 @@ def _independent(
     own = np.abs(np.diag(R))
     kept = order[: int(np.sum((own > SEEN) & (own > OWN * own[0])))]
     return [initial_conditions[k] for k in sorted(kept)]
+
+
+@dataclass(frozen=True)
+class UncertainTilt:
+    """One component of a stated tilt.
+
+    Attributes
+    ----------
+    record : str
+        Whose.
+    axis : {"x", "y"}
+        About which.
+    stated, sigma : float
+        As the record has it [rad].
+    """
+
+    record: str
+    axis: str
+    stated: float
+    sigma: float
+
+    @property
+    def key(self) -> str:
+        """Among the parameters of a model, which it is none of."""
+        return f"records.{self.record}.base.tilt.{self.axis}"
+
+
+def uncertain_tilts(records: Mapping[str, Record]) -> tuple[UncertainTilt, ...]:
+    """Return the components of all tilts that are stated with a sigma."""
+    return tuple(
+        UncertainTilt(name, axis, stated, record.base.sigma)
+        for name, record in records.items()
+        if record.base is not None and record.base.sigma > 0
+        for axis, stated in zip("xy", record.base.tilt, strict=True)
+    )
+
+
+def tilt_jacobian(problem: Problem, arm: Arm, tilts: Sequence[UncertainTilt]) -> Floats:
+    """Return columns of (2), shape (n, len(tilts)); zero for records that are not observed."""
+    found = np.zeros((len(problem), len(tilts)))
+    for k, tilt in enumerate(tilts):
+        if tilt.record not in problem.records:
+            continue
+        ends = np.zeros((2, len(problem)))
+        for end, turn in zip(ends, (tilt.sigma, -tilt.sigma), strict=True):
+            problem.write_residual(end, tilt.record, problem.simulations.tilted(tilt, arm, turn))
+        found[:, k] = (ends[0] - ends[1]) / (2 * tilt.sigma)  # eq. (2)
+    return found
