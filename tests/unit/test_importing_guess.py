@@ -335,6 +335,22 @@ def test_counts_per_turn_are_those_with_which_the_model_meets_the_point(logs, co
     )
 
 
+def test_whole_numbers_of_an_encoder_are_counts_and_hide_no_tracker(logs):
+    """No name says counts; read as degrees they moved the model so that no bare columns went with it."""
+    t = np.arange(0, 8, 0.004)
+    counts = np.round(RATIO["lift"] * angles(t)["lift"] / (2 * np.pi) * 8192)
+    rows = [f"{s:.4f} {c:.0f}" for s, c in zip(t, counts, strict=True)]
+    (logs / "drive.txt").write_text("time enc_lift\n" + "\n".join(rows) + "\n")
+    write_robot(logs, {"pan [deg]": np.degrees(angles(t)["pan"])}, t)
+    rows = [line.rsplit(",", 1)[0] for line in (logs / "tracker.csv").read_text().splitlines()[1:]]
+    (logs / "bare.txt").write_text("\n".join(rows).replace(",", " ") + "\n")
+    data, text = guessed(logs, "robot.csv", "drive.txt", "bare.txt")
+    signals = {each["name"]: each for each in data["signals"]}
+    assert (signals["lift"]["unit"], signals["lift"]["before_gear"]) == ({"counts_per_turn": 8192}, True)
+    assert signals["tip"]["columns"] == [2, 3, 4]
+    assert "'enc' in the name; whole numbers" in text
+
+
 def test_counts_without_a_measured_point_are_left_open(logs):
     t = np.arange(0, 8, 0.004)
     write_robot(logs, {"pan [deg]": angles(t)["pan"], "lift [counts]": np.round(1e5 * angles(t)["lift"])}, t)
@@ -376,7 +392,8 @@ def test_which_of_the_models_points_was_measured_follows_from_its_motion(logs):
 def test_columns_that_never_change_are_no_signals_and_numbers_name_joints(logs):
     t = np.arange(0, 8, 0.004)
     angle = {"A2 Ist [deg]": np.degrees(angles(t)["lift"]), "A1 Ist [deg]": np.degrees(angles(t)["pan"])}
-    write_robot(logs, angle | {"vel pan": 0 * t, "A2 Moment [Nm]": np.sin(t)}, t)
+    still = {"vel pan": 0 * t, "gyro x": 0 * t, "gyro y": 0 * t, "gyro z": 0 * t}
+    write_robot(logs, angle | still | {"A2 Moment [Nm]": np.sin(t)}, t)
     data, text = guessed(logs, "robot.csv", "tracker.csv")
     signals = {each["name"]: each for each in data["signals"]}
     assert set(signals) == {"pan", "lift", "lift_motor_torque", "tip"}
@@ -425,3 +442,14 @@ def test_a_joint_that_slides_is_in_metres_or_millimetres_and_one_beside_it_in_de
     signals = {each["name"]: each for each in data["signals"]}
     assert (signals["pan"]["unit"], signals["lift"]["unit"]) == ("deg", unit)
     assert f"as {unit} of the output values reach 0.4 m" in text
+
+
+def test_a_length_with_the_name_of_a_joint_that_slides_is_its_way(logs):
+    slides = MODEL.replace('name = "lift"\ntype = "revolute"', 'name = "lift"\ntype = "prismatic"')
+    (logs / "slide.toml").write_text(slides)
+    t = np.arange(0, 2, 0.01)
+    write_robot(logs, {"lift [mm]": 400 * np.sin(1.4 * t) ** 2, "pan [mm]": np.sin(t)}, t)
+    data, text = guessed(logs, "robot.csv", model="slide.toml")
+    [lift] = data["signals"]
+    assert (lift["quantity"], lift["joint"], lift["unit"]) == ("joint_angle", "lift", "mm")
+    assert '"pan [mm]"' in text

@@ -14,7 +14,7 @@ from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.importing.formats import reader_of
 from flexarm.importing.guess.text_stamps import TextStamps, text_stamps
-from flexarm.importing.guess.words import Meaning, is_stamp, meaning_of, unit_in
+from flexarm.importing.guess.words import COUNTED, Meaning, is_stamp, meaning_of, unit_in
 from flexarm.importing.map_file import Dialect
 from flexarm.importing.source import LOG, Array, Group, Request, Source, Unreadable
 from flexarm.importing.stamps import CALENDAR
@@ -162,12 +162,24 @@ def _rows(
     where: tuple[tuple[str, str], ...],
 ) -> list[Logged]:
     return [
-        Logged(
-            named, group.topic, column, values, stamps, _meaning(group, column, units.get(column, "")), where
-        )
+        Logged(named, group.topic, column, values, stamps, counted(meaning, values), where)
         for column, values in arrays.items()
         if column != stamps.column and len(values) == len(stamps.seconds) and np.isfinite(values).any()
+        for meaning in [_meaning(group, column, units.get(column, ""))]
     ]
+
+
+def counted(meaning: Meaning, values: Floats) -> Meaning:
+    """Return the meaning of whole numbers of an angle without a unit: counts, as degrees are never all whole.
+
+    Few values may be whole by chance.
+    """
+    few = 20
+    whole = values[np.isfinite(values)]
+    bare = meaning.quantity == "joint_angle" and not meaning.unit
+    if not bare or np.any(whole != np.round(whole)) or len(np.unique(whole)) < few:
+        return meaning
+    return replace(meaning, unit=COUNTED, why=f"{meaning.why}; whole numbers")
 
 
 def _columns(group: Group) -> list[str | int]:

@@ -28,13 +28,15 @@ def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
     known = [joint.name for joint in arm.moving_joints]
     found = []
     for column in columns:
-        quantity = column.meaning.quantity
+        quantity, why = column.meaning.quantity, column.meaning.why
+        if not quantity and _is_way(column, arm):
+            quantity, why = "joint_angle", f"its unit {column.meaning.unit}, and a joint that slides"
         if quantity not in SCALARS or (column.rests and quantity not in ("joint_angle", "joint_command")):
             continue
         label = f"{column.topic or ''} {column.column}" if not _is_message(column) else str(column.column)
         joint = matched(label, known)
         proposal = Proposal([column], "motor_torque" if quantity == "current" else quantity, ("joint", joint))
-        proposal.why["quantity"] = column.meaning.why
+        proposal.why["quantity"] = why
         if joint:
             proposal.why["joint"] = "its name stands in the column's"
         if quantity == "current":
@@ -50,6 +52,13 @@ def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
     return found
 
 
+def _is_way(column: Logged, arm: Arm) -> bool:
+    """Return True for a length that is named after a joint that slides."""
+    sliding = [joint.name for joint in arm.moving_joints if joint.type == "prismatic"]
+    metres = factor_to("m", column.meaning.unit) if column.meaning.unit else None
+    return metres is not None and bool(matched(str(column.column), sliding))
+
+
 def point_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
     """Return the signals of points."""
     families: dict[tuple[Any, str, str], list[Logged]] = {}
@@ -63,7 +72,8 @@ def point_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
         wanted = "xyzw" if quantity == "orientation" else "xyz"
         by_axis = {column.meaning.axis: column for column in members if column.meaning.axis in wanted}
         axes = [axis for axis in wanted if axis in by_axis]
-        if quantity == "orientation" and len(axes) < 4:
+        still = all(by_axis[axis].rests for axis in axes)  # a device that does not fill the field
+        if (quantity == "orientation" and len(axes) < 4) or (quantity != "position" and still):
             continue
         label = members[0].label
         point = matched(f"{stem} {topic or ''} {label}", known) or matched(Path(file).stem, known)

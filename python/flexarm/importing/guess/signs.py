@@ -22,7 +22,7 @@ COUNTS = tuple(
     sorted(
         {2**k for k in range(9, 25)}
         | {digit * 10**k for digit in (1, 2, 4, 5, 8) for k in (3, 4, 5)}
-        | {2500, 3600, 7200, 36_000, 360_000, 1_000_000}
+        | {360, 2500, 3600, 7200, 36_000, 360_000, 1_000_000}
     )
 )
 """Usual counts of an encoder for one turn."""
