@@ -157,6 +157,23 @@ def test_angles_by_unit_gear_scale_and_offset(tmp_path, keys, expected):
     assert record.signals["hinge"].values[1, 0] == pytest.approx(expected)
 
 
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        ("", 90.0),
+        ('unit = "mm"', 0.09),
+        ('unit = "deg"\nbefore_gear = true', np.radians(90) / 50),
+        ("unit = { counts_per_turn = 360 }\nbefore_gear = true", np.radians(90) / 50),
+    ],
+)
+def test_a_joint_that_slides_is_read_in_metres(tmp_path, keys, expected):
+    """Its gear ratio is in rad/m, so that angles of its motor become metres too."""
+    text = HINGE.replace('drive = "hinge"', 'drive = "hinge"\nmodel = "arm.toml"') + keys
+    slide = MODEL.replace("revolute", "prismatic")
+    hinge = imported(tmp_path, text, log_csv="time,angle\n0,0\n1,90\n", arm_toml=slide).signals["hinge"]
+    assert (hinge.unit, hinge.values[1, 0]) == ("m", pytest.approx(expected))
+
+
 def test_a_current_is_a_torque_by_its_constant_and_the_gear(tmp_path):
     text = HINGE.replace('drive = "hinge"', 'model = "arm.toml"').replace("joint_angle", "motor_torque")
     text = text.replace('side = "output"\n', "unit = { torque_constant = 0.12 }\nbefore_gear = true\n")
@@ -226,6 +243,14 @@ def test_clocks_that_are_known_share_an_origin_and_unknown_ones_need_not(tmp_pat
     assert late.signals["tip"].time.tolist() == [2.0, 3.0]
     own = imported(tmp_path, text, log_csv=robot, tracker_csv="time,x,z\n7.25,1,2\n8.25,1,2\n")
     assert own.signals["tip"].time.tolist() == [7.25, 8.25]
+
+
+def test_a_clock_counts_from_1970_in_all_its_signals_or_in_none(tmp_path):
+    robot, tracker = "time,angle\n1700000000.5,0\n1700000001.5,1\n", "time,x,z\n0.5,1,2\n1.5,1,2\n"
+    text = HINGE + TIP.replace("log.csv", "tracker.csv")
+    [said] = problems(tmp_path, text, log_csv=robot, tracker_csv=tracker)
+    assert "signals.tip.clock" in said
+    assert "begins at 0.5 s here and at 1700000000 s in signals before" in said
 
 
 def test_rows_of_poses_are_chosen_by_a_column(tmp_path):

@@ -37,6 +37,11 @@ class Stamps:
         """The first stamp [s]; 0 if there is none."""
         return float(self.raw[0]) * self.factor if len(self.raw) else 0.0
 
+    @property
+    def of_calendar(self) -> bool:
+        """True if they count from a date."""
+        return self.start > CALENDAR
+
     def seconds(self, origin: int) -> Floats:
         """Return the stamps [s] after an origin, a whole second; whole numbers lose nothing."""
         if self.raw.dtype.kind in "iu":

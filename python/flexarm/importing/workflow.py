@@ -100,7 +100,13 @@ class _Importer:
             return None
         by_clock: dict[str, list[Stamps]] = {}
         for i, (_, stamps) in read.items():
-            by_clock.setdefault(self.table.signals[i].clock or next(iter(clocks)), []).append(stamps)
+            clock = self.table.signals[i].clock or next(iter(clocks))
+            others = by_clock.setdefault(clock, [])
+            if len(others) and len(stamps.raw) and others[0].of_calendar != stamps.of_calendar:
+                start, first = stamps.start, others[0].start
+                what = f"{clock!r} begins at {start:.10g} s here and at {first:.10g} s in signals before; "
+                self.found.append((("signals", i, "clock"), f"{what}one counts from 1970: it needs a clock"))
+            others.append(stamps)
         origin = origins(by_clock, clocks)
         signals = []
         for i, (samples, stamps) in read.items():
@@ -225,7 +231,7 @@ class _Importer:
             name=table.name,
             quantity=table.quantity,
             values=_in_si(table, samples.values, arm),
-            unit=table.si[0],
+            unit=_si_unit(table, arm),
             time=None if static else stamps.seconds(origin[clock]),  # type: ignore[arg-type]
             pose=pose,
             noise_std=table.noise_std,
@@ -288,6 +294,17 @@ def _no_row(signal: SignalMap, samples: Samples) -> str:
         more = f" and {len(names) - most_named} more" if len(names) > most_named else ""
         found.append(f"column {column!r} holds {', '.join(names[:most_named])}{more}")
     return f"there is no row with {signal.where}; {'; '.join(found)}"
+
+
+def _si_unit(table: SignalMap, arm: Arm | None) -> str:
+    """Return the SI unit of a signal's values.
+
+    A joint that slides has metres and newtons where the map says none, and behind a gear, in rad/m.
+    """
+    stated = table.unit is not None and not table.before_gear
+    if arm is None or table.joint is None or stated or arm.joint(table.joint).type != "prismatic":
+        return table.si[0]
+    return table.spec.units[-1]
 
 
 def _in_si(table: SignalMap, values: Floats, arm: Arm | None) -> Floats:
