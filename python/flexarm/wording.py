@@ -1,7 +1,8 @@
 """Numbers and effects as a person reads them: SI prefixes, as many digits as are known, places by their kind.
 
-A number is shown with the largest prefix of which it is at least 1, or 0.1 from the unit itself downwards,
-and an estimate with the digits that its interval leaves: two of the interval's half width.
+A number is shown with the largest prefix of which it is at least 1, or 0.1 from the unit itself downwards
+(without a prefix below a tenth of a nano-unit), and an estimate with the digits that its interval leaves: two
+of the interval's half width.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ def scale(values: Iterable[float | None], unit: str) -> tuple[float, str]:
 
     >>> scale([3.2e-3, 6e-5], "m"), scale([1.36e5], "N m/rad")
     ((1000.0, 'mm'), (0.001, 'kN m/rad'))
+    >>> scale([3e-10], "m"), scale([6.5e-15], "m")
+    ((1000000000.0, 'nm'), (1.0, 'm'))
     """
     sizes = [abs(value) for value in values if value is not None and isfinite(value)]
     largest = max(sizes, default=0.0)
@@ -35,7 +38,9 @@ def scale(values: Iterable[float | None], unit: str) -> tuple[float, str]:
     if unit in _WITHOUT_PREFIX or largest == 0:
         return 1.0, shown
     least = 1.0 if largest >= 1 else 0.1
-    power = min(9, max(-9, 3 * floor(log10(largest / least * (1 + 1e-12)) / 3)))
+    power = min(9, 3 * floor(log10(largest / least * (1 + 1e-12)) / 3))
+    if power not in _PREFIXES:  # rounding of the computer, below any prefix
+        return 1.0, shown
     if unit.split("/")[0].split(" ")[0] in _FREE_OF_SIZE:
         power = min(power, 0)
     return 10.0**-power, _PREFIXES[power] + shown
