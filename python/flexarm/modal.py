@@ -12,6 +12,7 @@ import numpy as np
 from flexarm import _core
 from flexarm.arguments import ARM, COUNT, FLAG, NAMES, PATH, VALUES, takes
 from flexarm.arm import Arm
+from flexarm.arm.joint_units import units_by_joint
 from flexarm.arm.parameter import Parameter, parameters
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble, following_joints, joint_values
@@ -76,10 +77,11 @@ class Modes(Result):
     def contents(self) -> Contents:
         """Return the contents of the file: frequencies, damping, shapes, and their provenance."""
         number = np.arange(1, len(self.frequency_hz) + 1)
+        units = units_by_joint(self.arm, self.joints, "rad")
         held: dict[str, Variable] = (
             {}
             if self.drive_angle is None
-            else {"drive_angle": (("joint",), self.drive_angle, {"units": "rad"})}
+            else {"drive_angle": (("joint",), self.drive_angle, {"units": units})}
         )
         contents = Contents(
             {

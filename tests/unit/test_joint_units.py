@@ -78,3 +78,21 @@ def test_axes_of_its_states_are_of_position_and_force(slides, label):
         "lift", none, none, none, none, none, none, np.zeros(2, dtype=np.intp), slides=slides
     )
     assert states.label("torque") == label
+
+
+def test_results_tell_the_unit_of_each_joint(lift):
+    """In files of runs, equilibria and modes, and beside the curves of a run."""
+    values = {"lift": 0.1, "slew": 0.2}
+    at_rest = flexarm.static(lift, values)
+    drive = flexarm.Drive.from_samples([0.0, 0.01], {name: [v, v] for name, v in values.items()})
+    run = flexarm.simulate(lift, drive)
+    soft = lift.with_effect(JointCompliance(at="lift", stiffness=2e5, damping=10.0))
+    for result in (at_rest, run, flexarm.modes(soft, values)):
+        assert result.dataset["drive_angle"].attrs["units"] == "m, rad"
+    assert run.dataset["joint_rate"].attrs["units"] == "m/s, rad/s"
+    assert (
+        run.dataset["motor_torque"].attrs["units"]
+        == at_rest.dataset["joint_torque"].attrs["units"]
+        == "N, N m"
+    )
+    assert run.plot().get_ylabel() == "joint angle [m, rad]"

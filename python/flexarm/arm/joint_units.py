@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -41,6 +42,12 @@ def priors_in(effect: Effect, arm: Arm) -> dict[str, Prior]:
         name: replace(prior, unit=unit_at(effect, arm, name, prior.unit))
         for name, prior in effect.priors(arm).items()
     }
+
+
+def units_by_joint(arm: Arm, joints: Sequence[str], unit: str) -> str:
+    """Return the unit of an array by joint: one for all, else one each in their order, with commas."""
+    each = [ALONG.get(unit, unit) if _slides(arm, joint) else unit for joint in joints]
+    return each[0] if len(set(each)) == 1 else ", ".join(each)
 
 
 def _slides(arm: Arm, at: str) -> bool:

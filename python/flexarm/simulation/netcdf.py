@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexarm.arm.joint_units import units_by_joint
 from flexarm.arrays import frozen
 from flexarm.netcdf import Contents, Variable
 from flexarm.reading import reading, require
@@ -58,7 +59,14 @@ _COUNTS = (
 def contents(run: Simulation) -> Contents:
     """Return the stored content: all arrays with units, and their provenance."""
     variables: dict[str, Variable] = {
-        name: (dims, getattr(run, name), {"units": unit, "long_name": text})
+        name: (
+            dims,
+            getattr(run, name),
+            {
+                "units": units_by_joint(run.arm, run.joints, unit) if "joint" in dims else unit,
+                "long_name": text,
+            },
+        )
         for name, (dims, unit, text) in _VARIABLES.items()
         if getattr(run, name) is not None
     }

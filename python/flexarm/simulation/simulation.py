@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from flexarm.arguments import NUMBERS, PATH, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
+from flexarm.arm.joint_units import units_by_joint
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.sampling import sample
@@ -202,7 +203,9 @@ class Simulation(Result):
             axes.set(xlabel="time [s]", ylabel="position [m]")
         else:
             axes.plot(self.time, self.joint_angle, label=list(self.joints))
-            axes.set(xlabel="time [s]", ylabel="joint angle [rad]")
+            axes.set(
+                xlabel="time [s]", ylabel=f"joint angle [{units_by_joint(self.arm, self.joints, 'rad')}]"
+            )
         axes.legend()
         return axes
 

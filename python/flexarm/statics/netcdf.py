@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexarm.arm.joint_units import units_by_joint
 from flexarm.arrays import frozen
 from flexarm.netcdf import Contents
 from flexarm.reading import reading, require
@@ -49,7 +50,7 @@ def contents(found: Statics) -> Contents:
         {
             **parts,
             **{
-                name: (axes, getattr(found, name), attributes)
+                name: (axes, getattr(found, name), attributes | _by_joint(found, axes, attributes["units"]))
                 for name, (axes, attributes) in _VARIABLES.items()
                 if getattr(found, name) is not None
             },
@@ -64,6 +65,10 @@ def contents(found: Statics) -> Contents:
         },
     )
     return whole if found.sensitivities is None else found.sensitivities.add_to(whole)
+
+
+def _by_joint(found: Statics, axes: tuple[str, ...], unit: str) -> dict[str, str]:
+    return {"units": units_by_joint(found.arm, found.joints, unit)} if axes == ("joint",) else {}
 
 
 def stored(path: str | Path) -> dict[str, Any]:
