@@ -181,10 +181,10 @@ def test_they_agree_where_the_law_has_a_kink(effect):
 def test_what_they_agree_on_is_the_effect(effect):
     """It moves the tip by 1e-4 m and more from that of the same hinge and base: ten times the agreement."""
     effects = {**SMOOTH, **KINKED}[effect][1]
-    stands_on = ["joint_compliance"] if COMPLIANT in effects and len(effects) > 1 else []
-    if SHAKEN in effects and not stands_on:
-        stands_on = ["base_compliance"]
-    assert furthest(of_rods(effect) - of_elements(*stands_on)) > 1e-4
+    required_place = ["joint_compliance"] if COMPLIANT in effects and len(effects) > 1 else []
+    if SHAKEN in effects and not required_place:
+        required_place = ["base_compliance"]
+    assert furthest(of_rods(effect) - of_elements(*required_place)) > 1e-4
 
 
 @pytest.mark.parametrize(

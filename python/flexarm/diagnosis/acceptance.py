@@ -157,7 +157,7 @@ class Criteria:
         return all(left[c] <= max(policy.significant_noise, share * first[c]) for c in left)
 
     def leaves_anything(self, fit: Fit) -> bool:
-        """Return True if a model leaves more than the noise, however small a part of the gap that is."""
+        """Return True if a model leaves more than the noise, in whatever part of the gap."""
         return max(self._above_noise(fit).values()) > self.policy.adequate_noise
 
     def leaves_gap(self, fit: Fit, share: float | None = None) -> bool:
@@ -182,7 +182,7 @@ class Criteria:
     def _varying(self, fit: Fit) -> dict[tuple[str, str, int], float]:
         """Return what a model leaves above the noise without the constant of each channel.
 
-        Shares count of that: beside an offset a motion is a small part of the gap, and no small effect.
+        Shares refer to that: given an offset, a motion is a small part of the gap, and no small effect.
         """
         return above_noise(without_constants(fit.projected, self.problem), self.problem, fit.non_smooth)
 

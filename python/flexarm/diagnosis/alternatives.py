@@ -1,15 +1,14 @@
-"""Rivals: what could stand in the place of a chosen effect, with the rest of the model refitted.
+"""Alternative models: another effect in the place of a chosen one, with the rest of the model refitted.
 
-A rival lies ln B_j behind the chosen model in evidence, the model without that effect ln B_n, which says that
-there is nothing in its place but unlikely nominal values. Beside the chosen effect, ln B_0 = 0, its
-probability is
+An alternative lies ln B_j behind the chosen model in evidence. The model without the effect, whose only
+explanation are unlikely nominal values, lies ln B_n behind. With ln B_0 = 0 the probability of a name is
 
     P_j = exp(-ln B_j) / (exp(-ln B_n) + sum_i exp(-ln B_i)).                                          (1)
 
-Those within `SelectionPolicy.reach` of the chosen one are within reach of the data, and so is what fits as
-well and is only implausible: it may still be true. Beside a gap that the chosen model leaves open no name is
-certain, and rivals are judged by what they foretell of data left out: those that foretell clearly less are
-out of reach, and none is ahead that does not foretell clearly better.
+Alternatives within `SelectionPolicy.reach` of the chosen effect are indistinguishable from it, and so is one
+that fits as well and is only implausible. Where the chosen model leaves a gap no name is certain.
+Alternatives are then compared by cross-validation: those that predict clearly worse are out of reach, and
+none is ahead that does not predict clearly better.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ import numpy as np
 from flexarm.arm.effect import effect_class
 from flexarm.budget import allows
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.candidate import Candidate, carries
+from flexarm.diagnosis.candidate import Candidate, is_required
 from flexarm.diagnosis.collinear import collinear, out_of_step
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, predicts_better
@@ -31,12 +30,12 @@ from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.proposals import one_variant
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.refinement import ROUNDS, further, predicted_decrease
-from flexarm.diagnosis.screening import Probed, Share, screen, sharpened
+from flexarm.diagnosis.refinement import ROUNDS, predicted_decrease, refinement_step
+from flexarm.diagnosis.screening import Probed, Share, rescreened_at_size, screen
 from flexarm.named_effects import Place
 
 NEARER = 0.3
-"""Least gain of ln Z in a step of a rival that comes nearer, made or foretold: a tenth of what decides."""
+"""Least gain of ln Z, made or predicted, for another step of an alternative: a tenth of what decides."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +47,11 @@ class Rival:
     candidate, fit : Candidate and Fit
         The effect, and the model with it.
     behind : float
-        ln Z less than the chosen model's.
+        Difference of log evidence to the chosen model.
     fits_behind : float
-        The same of the fit alone, whatever is plausible.
-    foretells : bool
-        Whether it says as much of data that are left out, where a gap is left.
+        The same of the likelihood alone, without priors.
+    predicts : bool
+        Whether it predicts left-out data as well, where a gap is left.
     reach : float
         ln B within which it is an alternative.
     """
@@ -61,17 +60,15 @@ class Rival:
     fit: Fit
     behind: float
     fits_behind: float
-    foretells: bool = True
+    predicts: bool = True
     reach: float = SelectionPolicy.reach
 
     @property
     def within_reach(self) -> bool:
-        """Return True if the data cannot tell it from the chosen effect; what is implausible may still be
-        true.
-        """
+        """Return True if the data cannot distinguish it from the chosen effect, plausible or not."""
         reach = self.reach
         close = self.behind < reach or (self.fits_behind < reach and self.behind < 2 * reach)
-        return close and self.foretells
+        return close and self.predicts
 
 
 def rivals_of(
@@ -82,17 +79,17 @@ def rivals_of(
     probed: Sequence[Probed],
     tried: Sequence[Fit],
 ) -> list[Rival]:
-    """Return what could stand in the place of effect k of the chosen model, the best first.
+    """Return the alternatives of effect k of the chosen model, the best first.
 
-    Fits that were `tried` on the way are taken up; rivals beside an open gap are fewer and fitted once.
-    Beside a model that explains everything none is fitted that promises far less than the first. A spring
-    that another effect stands on has none.
+    Fits that the search has `tried` are reused. If the model leaves a gap, fewer alternatives are fitted, and
+    once. If it explains everything, none is fitted that promises far less than the first. A spring that
+    another effect requires has none.
     """
     problem, null, policy = estimator.problem, criteria.null, criteria.policy
     open_gap = criteria.leaves_gap(best)
     chosen = best.members[k]
     others = tuple(m for i, m in enumerate(best.members) if i != k)
-    if carries(others, chosen):
+    if is_required(others, chosen):
         return []
     fewer = without(others, estimator, (null, *tried))
     if fewer is None:
@@ -129,11 +126,11 @@ def rivals_of(
 def _promising(
     chosen: Candidate, screened: Sequence[Share], fewer: Fit, estimator: Estimator, open_gap: bool
 ) -> list[Candidate]:
-    """Effects that promise most of what the chosen one explains; beside a gap however little that is."""
+    """Return effects that promise most of what the chosen one explains; given a gap, however little."""
     shares = [s for s in screened if s.members[0].place != chosen.place]
     policy = estimator.problem.policy
     most = policy.proposals // 2 if open_gap else policy.proposals
-    sharp = sharpened(estimator, one_variant(shares, 2 * most), fewer)[:most]
+    sharp = rescreened_at_size(estimator, one_variant(shares, 2 * most), fewer)[:most]
     return [s.members[0] for s in sharp if open_gap or s.share >= policy.faint * sharp[0].share]
 
 
@@ -145,7 +142,7 @@ def _rival(
     problem: Problem,
     open_gap: bool,
 ) -> Rival:
-    """Return what is said of a rival; beside a gap it is ahead only if it foretells clearly better."""
+    """Return an alternative; where a gap is left it is ahead only if it predicts clearly better."""
     member = next(m for m in fit.members if m.place == candidate.place)
     told = not open_gap or not predicts_better(best, fit, problem)
     if open_gap and not predicts_better(fit, best, problem):
@@ -164,7 +161,7 @@ def without(others: tuple[Candidate, ...], estimator: Estimator, tried: Sequence
 
 
 def _known(best: Fit, others: set[tuple[str, Place]], tried: Sequence[Fit]) -> dict[tuple[str, Place], Fit]:
-    """Models that were tried and differ from the chosen one by one effect, by its place."""
+    """Return models that were tried and differ from the chosen one by one effect, by its place."""
     return {
         next(iter(set(f.places) - others)): f
         for f in tried
@@ -173,7 +170,7 @@ def _known(best: Fit, others: set[tuple[str, Place]], tried: Sequence[Fit]) -> d
 
 
 def _peer(best: Fit, tried: Sequence[Fit]) -> Fit:
-    """Return the chosen model as it was when it was tried beside its rivals, before it was taken further."""
+    """Return the chosen model as it was tried along with its alternatives, before its refinement."""
     return next((f for f in reversed(tried) if set(f.places) == set(best.places)), best)
 
 
@@ -183,7 +180,7 @@ def _near(
     best: Fit,
     problem: Problem,
 ) -> list[Candidate]:
-    """Effects that came close when they were tried, though screening, to first order, sees little in them."""
+    """Return effects that came close when they were tried, whatever their screened share."""
     there = {candidate.place for candidate in wanted} | {member.place for member in best.members}
     return [
         next(m for m in fit.members if m.place == place)
@@ -203,8 +200,8 @@ def _soft_elsewhere(
     """Return the machine's other springs, as soft as one that explained a `part` of what the chosen effect
     does.
 
-    What is soft has moved far from where it was screened: a joint took half of what a base did that gives
-    way, beside a strained modulus, and a vibration all of it. `before` is what was left without them.
+    Screening is linear, and a soft spring has moved far from where it was screened. `before` is the cost
+    without them.
     """
     half = before - part * (before - best.cost)
     found = [
@@ -221,17 +218,17 @@ def _soft_elsewhere(
 
 
 def _sticking(spring: Candidate, wanted: Sequence[Candidate], probed: Sequence[Probed]) -> list[Candidate]:
-    """Hysteresis in the place of a joint's spring, of which it is one while it sticks: no small step."""
+    """Return hysteresis in the place of a joint's spring: while it sticks it acts as one."""
     like = [p.candidate for p in probed if (p.candidate.effect.acts_as, p.candidate.at) == spring.place]
     there = like[:1] if like and like[0].place not in (candidate.place for candidate in wanted) else []
     return [each for each in there if each.acting_as(spring) is not None]
 
 
 def _caught_up(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_gap: bool) -> tuple[Fit, float]:
-    """Return a rival's model after as many steps as could bring it near the chosen one, and its ln Z behind
-    that.
+    """Return the model of an alternative after as many steps as could bring it near, and its ln Z behind.
 
-    A rival that was far behind is taken further all the same if the chosen one once was as far behind itself.
+    An alternative that was far behind is refined all the same if the chosen one once was as far behind
+    itself.
     """
     problem, policy = estimator.problem, estimator.problem.policy
     behind = log_bayes_factor(best, fit, problem)
@@ -246,7 +243,7 @@ def _caught_up(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_gap: b
         ):  # no step would bring it near
             break
         try:
-            fit, about = further(fit, about, anew=False)
+            fit, about = refinement_step(fit, about, anew=False)
         except FIT_ERRORS:
             break
         before, behind = behind, log_bayes_factor(best, fit, problem)
@@ -256,7 +253,7 @@ def _caught_up(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_gap: b
 
 
 def probabilities(rivals: Sequence[Rival], gain: float) -> list[float]:
-    """Eq. (1) of the chosen effect and its rivals; `gain` is ln B_n."""
+    """Return eq. (1) of the chosen effect and its alternatives; `gain` is ln B_n."""
     behind = [0.0, *(rival.behind for rival in rivals)]
     odds = [exp(-min(max(each, -50.0), 700.0)) for each in behind]
     nothing = exp(-min(max(gain, 0.0), 700.0))

@@ -26,29 +26,29 @@ from flexarm.errors import InvalidParameter
 from flexarm.named_effects import Place
 
 WEIGHT = 1 / 3
-"""Of priors in fits: `diagnosis.least_squares`."""
+"""Weight of priors in fits: `diagnosis.least_squares`."""
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at a place, and how it may be there.
+    """An effect at a place, with free parameters and probes.
 
     Attributes
     ----------
     effect : Effect
-        With what is not free at its value, and the rest at typical ones.
+        Fixed parameters at their values, free ones at typical ones.
     free : tuple of str
         Parameters that are fitted.
     probes : tuple of Effect
         The effect at plausible sizes, one for each direction of the prediction.
     null : dict of str to float
-        Values at which the model is what it is without.
+        Values at which the effect vanishes.
     without : Effect or None
         The nominal effect, if the model has it.
     needs : Effect or None
-        An effect that it requires and the model has not.
+        An effect that it requires and the model lacks.
     priors : dict of str to Prior
-        Those that records or model state better than the effect does, which does not know them.
+        Priors that records or model state, in place of those of the effect.
     """
 
     effect: Effect
@@ -81,12 +81,12 @@ class Candidate:
 
     @property
     def spots(self) -> frozenset[tuple[str, str]]:
-        """Return name and place of each effect that it puts into a model."""
+        """Return name and place of each effect that it adds to a model."""
         return frozenset({self.spot})
 
     @property
-    def stands_on(self) -> tuple[str, str] | None:
-        """Return name and place of the effect that it needs and the model has not."""
+    def required_place(self) -> tuple[str, str] | None:
+        """Return name and place of the required effect that the model lacks."""
         return None if self.needs is None else (self.needs.name, self.needs.at)
 
     def priors_in(self, arm: Arm) -> dict[str, Prior]:
@@ -94,12 +94,12 @@ class Candidate:
         return {**priors_in(self.effect, arm), **self.priors}
 
     def prior_weight(self, name: str) -> float:
-        """Return the weight of a parameter's prior in a fit, which need not know this machine."""
+        """Return the weight of a parameter's prior in a fit."""
         return WEIGHT
 
     @property
     def hyperprior_cost(self) -> float:
-        """Return ln of the evidence of what its priors were estimated from, 0 where nothing was."""
+        """Return the log evidence of estimated priors; 0 without any."""
         return 0.0
 
     def parameters_in(self, arm: Arm) -> list[tuple[str, float, str]]:
@@ -115,16 +115,16 @@ class Candidate:
         return replace(self, effect=self.effect.with_parameters(values))
 
     def held(self) -> list[tuple[str, float, str]]:
-        """Return the parameters as (name, value, unit) that say how it acts and are chosen, not fitted."""
+        """Return shape parameters as (name, value, unit) that are chosen, not fitted."""
         shape = [each for each in self.effect.parameters() if each[0] in self.effect.shape]
         return [each for each in shape if each[0] not in self.free]
 
     def keys_of(self, name: str) -> list[str]:
-        """Return the model's parameters that a parameter is the value of."""
+        """Return the keys of the model's parameters that have the value of a parameter."""
         return [f"effects.{self.name}.{self.effect.at}.{name}"]
 
     def is_size(self, name: str) -> bool:
-        """Return True if a parameter says how much of the effect there is."""
+        """Return True if a parameter is the size of the effect."""
         return name == self.free[0]
 
     def opened(self) -> Candidate:
@@ -142,7 +142,7 @@ class Candidate:
         return self.base(arm).with_effect(self.effect)
 
     def base(self, arm: Arm) -> Arm:
-        """Return the model that a probe differs from: with what the effect needs, unless that is there."""
+        """Return the model that probes are compared with: with the required effect added if it is missing."""
         if self.needs is None or arm.effect(self.needs.name, self.needs.at) is not None:
             return arm
         return arm.with_effect(self.needs)
@@ -160,7 +160,7 @@ class Candidate:
         return self.sized([part if k == probe else 0.0 for k in range(len(self.probes))], least=0.0)
 
     def acting_as(self, other: Candidate) -> Candidate | None:
-        """Return this candidate at the size that plays the part of another one; None where it has no such."""
+        """Return this candidate at the size that acts as another one; None if there is none."""
         alike = self.effect.is_spring and other.effect.is_spring
         if len(other.spots) > 1:
             return None
@@ -185,13 +185,13 @@ def with_members(arm: Arm, members: Iterable[Candidate]) -> Arm:
     return arm
 
 
-def carries(members: Sequence[Candidate], spring: Candidate) -> bool:
+def is_required(members: Sequence[Candidate], spring: Candidate) -> bool:
     """Return True if other effects require a spring that the model has not."""
-    return any(member.stands_on in spring.spots for member in members)
+    return any(member.required_place in spring.spots for member in members)
 
 
 def nulls(effect: Effect, without: Effect | None, arm: Arm) -> dict[str, float]:
-    """Return the value of every parameter at which the model is what it is without the effect."""
+    """Return the value of every parameter at which the effect vanishes."""
     names = [name for name, _, _ in effect.parameters()]
     return effect.null(arm) if without is None else {name: without.value_of(name) for name in names}
 
@@ -203,17 +203,16 @@ def value_of(effect: Effect | None, key: str) -> float:
 
 
 BOUNDS = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
-"""Of a parameter in sigmas of its prior, by the prior's scale: factors of thousands, or turns."""
+"""Bounds of a parameter in sigmas of its prior, by the prior's scale: factors of thousands, or turns."""
 FACTOR = 30.0
-"""The least reach of a logarithmic one: a mass that was written down wrong is many sigmas off."""
+"""Least range of a logarithmic one, as a factor: a mass that was written down wrong is many sigmas off."""
 STEP, ACROSS = 3e-4, 1e-2
-"""Of differences, in sigmas of a prior; laws with corners need steps that reach across those.
+"""Steps of differences in sigmas of a prior, for smooth and non-smooth laws.
 
-A hundredth of a sigma of a stiffness turns the phase of a vibration by tenths of a radian in a minute. The
-derivative was off by 4 % then, which told it from the link's modulus, though nothing can.
+A hundredth of a sigma of a stiffness turns the phase of a vibration by tenths of a radian in a minute.
 """
 TURN = 0.01
-"""Most that the step of a frequency may turn the phase until the end of a record [rad]."""
+"""Greatest phase that the step of a frequency adds until the end of a record [rad]."""
 
 
 @dataclass(frozen=True)
@@ -229,7 +228,7 @@ class TransformedParameter:
     prior : Prior
         At the start of the fit.
     smooth : bool
-        Whether its law has no corners.
+        True if its law is smooth.
     weight : float
         Of its prior in a fit, unless that is uniform.
     """

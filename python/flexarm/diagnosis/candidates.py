@@ -66,7 +66,7 @@ def driven_joints(arm: Arm, records: Iterable[Record]) -> set[str]:
     return coupled_joints((name for name in driven if name is not None), arm.gears)
 
 
-def causes(members: Sequence[Candidate], pairs: dict[str, str]) -> int:
+def effect_count(members: Sequence[Candidate], pairs: dict[str, str]) -> int:
     """Return the number of effects, the same one at both axes of a cardan joint counted once."""
     places = {member.place for member in members}
     return len(members) - sum((m.name, pairs.get(m.effect.at, "")) in places for m in members)
@@ -256,7 +256,7 @@ FINE = 4.0
 """Frequencies a width of a peak, which is one over the length of the record."""
 
 
-def rhythms(rest: Floats, problem: Problem, most: int = 3) -> list[float]:
+def dominant_frequencies(rest: Floats, problem: Problem, most: int = 3) -> list[float]:
     """Return the `most` frequencies [Hz] at which a residual swings most, the strongest first."""
     motions = [each for each in problem.rows if problem.records[each.record].kind == "motion"]
     length = problem.seconds

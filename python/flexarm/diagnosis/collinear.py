@@ -1,9 +1,9 @@
-"""Effects that are collinear with a chosen one: alternatives that no screening about another model shows.
+"""Effects that are collinear with a chosen one, though screening about another model does not show them.
 
-A mass that is 4 % off puts a lightly damped arm out of step within some periods. About the model without
-the effect, which alternatives are screened about, it explains little to first order, as they do. About the
-chosen model, with J_e what the effect moves and D what small steps of a candidate do, both less what unknowns
-and the other effects explain,
+A mass that is 4 % off puts a lightly damped arm out of step within some periods. About the model without the
+effect, which alternatives are screened about, it explains little to first order, as they do. About the chosen
+model, with J_e what the effect moves and D what small steps of a candidate do, both less what nuisance
+parameters and the other effects explain,
 
     R2 = |P J_e|^2 / |J_e|^2,    P = D (D^T D)^-1 D^T                                                  (1)
 
@@ -46,7 +46,7 @@ def collinear(k: int, best: Fit, estimator: Estimator, probed: Sequence[Probed])
         if p.candidate.effect.smooth
         and not p.candidate.effect.is_wave
         and p.candidate.needs is None
-        and p.candidate.stands_on in there
+        and p.candidate.required_place in there
         and not p.candidate.spots & best.spots
     }
     ranked: list[tuple[float, Candidate]] = []

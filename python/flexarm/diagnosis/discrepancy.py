@@ -1,4 +1,4 @@
-r"""Model discrepancy: what a model leaves beside noise, as a stationary process of each channel.
+r"""Model discrepancy: the residual beyond noise, as a stationary process of each channel.
 
 The residual of a channel, over the stated noise, has the covariance
 
@@ -247,7 +247,7 @@ def _binned(rest: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def angles_of_poses(record: Record, pose: NDArray[Any]) -> Floats:
-    """Return where the drives of a static record stand in given poses, shape (n, drives)."""
+    """Return the drive angles of a static record in given poses, shape (n, drives)."""
     found = np.zeros((len(pose), len(record.drive)))
     for column, name in zip(found.T, record.drive, strict=True):
         drive = record.signals[name]

@@ -1,12 +1,12 @@
 """Estimator: fits to the same records, and the data that they share.
 
 Clocks, frames and nominal values act nearly in proportion. Their derivatives J are therefore taken about one
-model and kept, and its residuals are corrected for what simulations miss for their time steps, c. With the
-unknowns of that model at x0, the residual of any model with effects is, at the centres of their priors,
+model and kept, and its residuals are corrected for their discretisation error, c. With the nuisance
+parameters of that model at x0, the residual of any model with effects is, at the centres of their priors,
 
     r = r(effects, x0) + c - J x0,                                                                     (1)
 
-from which `diagnosis.fit` eliminates them all. A fitter *about* another model has J, x0 and c
+from which `diagnosis.fit` eliminates them all. A estimator *about* another model has J, x0 and c
 of that one.
 """
 
@@ -30,11 +30,11 @@ from flexarm.diagnosis.problem import Problem
 LIKELY = 2.0
 """Sigmas within which nominal values are centred."""
 CENTRED, BETTER = 10, 0.98
-"""Most rounds of centring nominal values, and the part of a gap left by which any round is worth another."""
+"""Most rounds of centring nominal values; part of a gap left below which another round is made."""
 NEARBY = 0.1
-"""Sigmas, rms, that a model's residual may move while what its steps miss is kept."""
-FORETOLD = 0.1
-"""Part of a move that derivatives by unknowns may miss and are kept."""
+"""Sigmas, rms, that a model's residual may move while its discretisation error is kept."""
+PREDICTED = 0.1
+"""Part of a move that derivatives with respect to nuisance parameters may miss and are kept."""
 
 
 @dataclass(eq=False)
@@ -50,11 +50,11 @@ class Estimator:
     jacobian : ndarray
         Derivatives of the residual by them, at `at`.
     at : ndarray
-        Where the unknowns are, from the centres of their priors.
+        Values of the nuisance parameters, from the centres of their priors.
     correction : ndarray
-        Added to residuals: what simulations miss for their time steps, at `at` or near by.
+        Added to residuals: the discretisation error, at `at` or near by.
     corrected : ndarray
-        Residual of the model of which that is missed.
+        Residual of the model that has this error.
     members : tuple of Candidate
         Effects of the model that derivatives are taken about.
     """
@@ -88,46 +88,47 @@ class Estimator:
         return self._moved(self._found_at(fit, part), fit.members)
 
     def towards(self, fit: Fit, part: float = 1.0) -> Estimator:
-        """Return the same about a fit of the same effects; with derivatives as they are, where these
-        foretell it.
+        """Return the same about a fit of the same effects, with the same derivatives if these predict it.
 
-        What they miss must be nothing, a sigma of a single value, or a small part of what they move.
+        They may miss a sigma of a single value, or a small part of the move.
         """
         if {m.place for m in fit.members} != {m.place for m in self.members}:
             return self.about(fit, part)
         at = np.where(self.jacobian.any(axis=0), self._found_at(fit, part), 0.0)
         there = replace(self, at=at, members=fit.members)
         missed, move = there.residual(fit.members) - fit.residual, self.jacobian @ (at - self.at)
-        if float(missed @ missed) > max(1.0, FORETOLD**2 * float(move @ move)):
+        if float(missed @ missed) > max(1.0, PREDICTED**2 * float(move @ move)):
             return self.about(fit, part)
         return there._corrected()
 
     def _found_at(self, fit: Fit, part: float = 1.0) -> Floats:
-        """Where a fit has the unknowns, or part of the way there."""
+        """Return the nuisance parameters of a fit, or `part` of the way to them."""
         best = dict(zip(fit.nuisance.keys, gls_nuisance(fit), strict=True))
         found = np.array([unknown.kept(best.get(unknown.key, 0.0)) for unknown in self.nuisance.parameters])
         return np.asarray(self.at + part * (found - self.at))
 
     def moved_to(self, values: Mapping[str, float]) -> Estimator:
-        """Return the same with some unknowns elsewhere, from their centres; derivatives stay."""
+        """Return the same with other values of some nuisance parameters, from their centres; derivatives
+        stay.
+        """
         at = [
             values.get(unknown.key, x) for unknown, x in zip(self.nuisance.parameters, self.at, strict=True)
         ]
         return replace(self, at=np.array(at))
 
     def nominal_residual(self) -> Floats:
-        """Residual of the model without effects, all unknowns at the centres of their priors."""
+        """Return the residual without effects, all nuisance parameters at the centres of their priors."""
         return self.moved_to(dict.fromkeys(self.nuisance.keys, 0.0)).residual(())
 
     def as_stated(self, keys: Iterable[str], members: Sequence[Candidate]) -> Estimator:
-        """Return the same about a model with effects, some unknowns of which are at the centres of their
-        priors.
+        """Return the same about a model with effects, some nuisance parameters of which are at the centres of
+        their priors.
         """
         return self._moved(self.moved_to(dict.fromkeys(keys, 0.0)).at, tuple(members))
 
     def _moved(self, at: Floats, members: tuple[Candidate, ...]) -> Estimator:
-        """Return the same with unknowns elsewhere; those that an effect overrules, such as a mass, where
-        they were.
+        """Return the same with other nuisance parameters, except those that an effect overrules, such as a
+        mass.
 
         Otherwise they would have moved, at no cost, in a model without that effect.
         """
@@ -142,10 +143,7 @@ class Estimator:
         return replace(self, at=acting, jacobian=jacobian, members=members)._corrected()
 
     def _corrected(self) -> Estimator:
-        """Return the same with what steps miss of its own model, unless that of another one is as good.
-
-        What they miss is a small part of a motion, and moves as the motion does.
-        """
+        """Return the same with the discretisation error of its own model, unless that at hand is as good."""
         arm = self.with_effects(self.members)
         here = self.problem.residual(arm)
         if np.mean((here - self.corrected) ** 2) < NEARBY**2:
@@ -153,13 +151,10 @@ class Estimator:
         return replace(self, correction=self.problem.correction(arm), corrected=here)
 
     def centred(self) -> Estimator:
-        """Return the same about nominal values that fit better, for those that act otherwise than in
-        proportion.
+        """Return the same about nominal values that fit better, as these act nonlinearly.
 
-        Clocks and frames stay: effects may take their places. Values go no further than is likely, and the
-        others make up for what one of them may not: a joint that is 20 % stiffer seems at first, as the arm
-        swings out of step, what only a modulus 50 % larger could be. Where there is no such model
-        values stay.
+        Clocks and frames stay, since effects may replace them. Values stay within `LIKELY` sigmas, and
+        unchanged where there is no such model.
         """
         there, fit = self, self.fit(())
         nominal = np.array([unknown.kind == "nominal" for unknown in self.nuisance.parameters])
@@ -187,18 +182,18 @@ class Estimator:
         return raw - self.jacobian @ at if at.any() else raw  # eq. (1)
 
     def taken(self, members: Sequence[Candidate]) -> frozenset[str]:
-        """Unknowns that are effects of a set."""
+        """Return the keys of nuisance parameters that are effects of a set."""
         fitted = frozenset().union(*(member.spots for member in members))
         return frozenset(
             u.key for u in self.nuisance.parameters if u.key.startswith("effects.") and u.place in fitted
         )
 
     def eliminated(self, members: Sequence[Candidate]) -> tuple[NuisanceModel, Projection]:
-        """Unknowns that a set of effects leaves: a clock or a zero that is an effect is none of them."""
+        """Return the nuisance parameters that are no effects of a set, and their projection."""
         return self.without(self.taken(members))
 
     def without(self, taken: frozenset[str]) -> tuple[NuisanceModel, Projection]:
-        """All unknowns but some, and what eliminates them."""
+        """Return all nuisance parameters but some, and their projection."""
         if taken not in self._projections:
             left = self.nuisance.without(set(taken))
             keep = [k for k, u in enumerate(self.nuisance.parameters) if u.key not in taken]
@@ -229,7 +224,7 @@ class Estimator:
         return self._found(solver, z, solver.members_at(z), jacobian)
 
     def trial(self, members: Sequence[Candidate], nearby: Fit, limit: float = inf) -> Fit:
-        """Return a fit that is one of several: its derivatives are those that led there.
+        """Return a fit that is one of several, with the derivatives of its last step.
 
         A family with a shared size is fitted first, then with one size each and the spread that these have.
 

@@ -9,7 +9,7 @@ nuisance parameters x,
 with r the residual over the noise, J the derivatives of what nuisance parameters leave, and C the covariance
 of noise and discrepancy (`diagnosis.discrepancy`). Each model has the discrepancy that makes it most likely:
 a model that leaves a gap may call it an error of its own, and pays for that with ln|C| and a small r C^-1 r
-elsewhere. Fits weigh rows by the stated noise; (1) is taken at its own optimum, to first order.
+elsewhere. Fits weight rows by the stated noise; (1) is taken at its own optimum, to first order.
 
 What is left *above the noise* in a channel, over the noise, is
 
@@ -27,8 +27,8 @@ before they are compared,
 
 .. math:: c v v^T, \quad c = \delta^2 N_v/v^T v, \quad N_v = \frac{(\sum v^2)^2}{\sum v^4}               (3)
 
-Where finer time steps move more than that part, delta^2 is the mean square of what they move, weighed by v^2.
-Models that differ by less than some 0.5 of the noise throughout are so alike, however long the record; a
+Where finer time steps move more than that part, delta^2 is the mean square of what they move, weighted by
+v^2. Models that differ by less than some 0.5 of the noise throughout are so alike, however long the record; a
 difference at a few instants, or in what it asks of nominal values, counts in full.
 
 A law may require another one that the model lacks, as a backlash requires a spring. The prior odds of that
@@ -96,7 +96,7 @@ def _in_time(rows: Rows, problem: Problem) -> bool:
 
 
 def above_noise(rest: Floats, problem: Problem, non_smooth: bool = False) -> dict[Channel, float]:
-    """s_c of (2) for every channel, over the noise, of a model whose laws may have corners."""
+    """Return s_c of (2) for every channel, over the noise, of a smooth or non-smooth model."""
     from scipy.special import chdtri
 
     found = {}
@@ -206,8 +206,8 @@ def _evidence_of(fit: Fit, problem: Problem) -> Evidence:
 def explained_share(fit: Fit, fewer: Fit, problem: Problem) -> float:
     """Return the coefficient of partial determination of what a model has and another one lacks.
 
-    Mean squares above the noise are summed over the channels, each weighed by how much the two models differ
-    there: what is left elsewhere says nothing of the effect.
+    Mean squares above the noise are summed over the channels, each weighted by the squared difference of the
+    two models there.
     """
     left, before = 0.0, 0.0
     for each, where in problem.channels():
@@ -219,24 +219,24 @@ def explained_share(fit: Fit, fewer: Fit, problem: Problem) -> float:
 
 
 def log_bayes_factor(one: Fit, other: Fit, problem: Problem) -> float:
-    """ln Z of one model over another one's, eq. (1) with (3)."""
+    """Return ln B of one model over another one, eq. (1) with (3)."""
     first, second = evidence_of(one, problem), evidence_of(other, problem)
     return log_likelihood_ratio(one, other, problem) + first.occam - second.occam
 
 
 def log_likelihood_ratio(one: Fit, other: Fit, problem: Problem) -> float:
-    """Return the same without what parameters cost: how much better one model fits."""
+    """Return the same without Occam factors."""
     first, second = evidence_of(one, problem), evidence_of(other, problem)
     v = first.left - second.left
     errors = simulation_errors(problem, one.non_smooth or other.non_smooth)
     fourth = max(float(np.sum(v**4)), 1e-300)
-    c = float(v**2 @ errors**2) / fourth  # eq. (3), delta^2 weighed by v^2
+    c = float(v**2 @ errors**2) / fourth  # eq. (3), delta^2 weighted by v^2
     gain = first.with_error(v, c, problem) - second.with_error(v, c, problem)
     return gain + second.pulls - first.pulls
 
 
 def simulation_errors(problem: Problem, non_smooth: bool) -> Floats:
-    """delta of (3) of each row, shape (n,): what simulations err by, of laws with corners or without them."""
+    """Return delta of (3), the error of the simulation in each row, shape (n,)."""
     found = np.empty(len(problem))
     for each, where in problem.channels():
         error = float(np.sqrt(each.discretisation_error)) if non_smooth else 0.0
@@ -245,10 +245,10 @@ def simulation_errors(problem: Problem, non_smooth: bool) -> Floats:
 
 
 def occam(fit: Fit, jacobian: Floats, z: Floats) -> float:
-    """Return what the parameters cost: all terms of (1) but the first; and what effects need.
+    """Return the Occam factor: all terms of (1) but the first, and the prior odds of required effects.
 
-    `jacobian` holds whitened derivatives by effects and nuisance parameters. Nuisance parameters cost theirs
-    too: an effect at a clock or frame takes the place of some.
+    `jacobian` holds whitened derivatives with respect to effects and nuisance parameters. The latter count
+    too, as an effect at a clock or frame replaces some.
     """
     k, sigma = len(fit.z), fit.projection.sigma
     known = np.isfinite(sigma)
@@ -272,7 +272,7 @@ def _log_determinant(matrix: Floats) -> float:
 
 
 def press_residuals(fit: Fit, problem: Problem) -> Floats:
-    """e of (4): of every row, over the noise, what is missed if its group is left out; shape (n,)."""
+    """Return e of (4), the prediction residual of every row over the noise; shape (n,)."""
     jacobian, residual, prior = joint_jacobian(fit)
     normal = NormalEquations.of(jacobian, prior)
     found = residual.copy()
@@ -283,12 +283,12 @@ def press_residuals(fit: Fit, problem: Problem) -> Floats:
 
 
 def press_rms(fit: Fit, problem: Problem) -> float:
-    """Rms of e of (4), over the noise."""
+    """Return the rms of e of (4), over the noise."""
     return float(np.sqrt(np.mean(press_residuals(fit, problem) ** 2)))
 
 
 def predicts_better(one: Fit, other: Fit, problem: Problem) -> bool:
-    """Return True if a model foretells what is left out clearly better than another one."""
+    """Return True if a model predicts left-out data clearly better than another one."""
     ratio = press_rms(other, problem) / max(press_rms(one, problem), 1e-300)
     odds = len(folds(problem)) * log(max(ratio, 1e-300))  # eq. (5)
     policy = problem.policy
@@ -296,18 +296,18 @@ def predicts_better(one: Fit, other: Fit, problem: Problem) -> bool:
 
 
 def log_odds_lost(fits: Sequence[Fit], problem: Problem) -> list[float]:
-    """For each of some models, ln B of (5) over it of the one that foretells best."""
+    """Return ln B of (5) of the best predictor over each of some models."""
     misses = [max(press_rms(f, problem), 1e-300) for f in fits]
     return [len(folds(problem)) * log(each / min(misses)) for each in misses]
 
 
 def folds(problem: Problem) -> list[NDArray[np.int_]]:
-    """Rows of each group: a stretch of one record, in time or in the order of poses, all channels."""
+    """Return the rows of each group: a stretch of a record, in time or in the order of poses."""
     return _stretches(problem, problem.policy.blocks)
 
 
 def _stretches(problem: Problem, count: int) -> list[NDArray[np.int_]]:
-    """Rows of each of `count` stretches a record, all channels."""
+    """Return the rows of each of `count` stretches a record, all channels."""
     found: dict[tuple[str, int], list[NDArray[np.int_]]] = {}
     for each, where in problem.channels():
         index = np.arange(where.start, where.stop)
@@ -324,7 +324,7 @@ PARTS = 5
 
 
 def cross_validated_skill(fit: Fit, null: Fit, stated: Floats, problem: Problem) -> float:
-    """Eq. (7) over all parts; 0 or less where one part is predicted worse than by the model as stated.
+    """Return (7) over all parts; 0 or less if one part is predicted worse than by the nominal model.
 
     Parameters
     ----------
@@ -353,17 +353,17 @@ def cross_validated_skill(fit: Fit, null: Fit, stated: Floats, problem: Problem)
 
 
 def parts(problem: Problem) -> list[NDArray[np.int_]]:
-    """Rows of each part."""
+    """Return the rows of each part."""
     return _stretches(problem, PARTS if len(problem.records) == 1 else 1)
 
 
 def _placed(fit: Fit) -> NDArray[np.bool_]:
-    """Which unknowns are clocks and frames, after the parameters of the effects."""
+    """Return True at clocks and frames among the parameters of the effects and nuisance parameters."""
     return np.array([False] * len(fit.z) + [u.kind != "nominal" for u in fit.nuisance.parameters], dtype=bool)
 
 
 def _aligned(residual: Floats, fit: Fit, rows: NDArray[np.int_]) -> float:
-    """Sum of squares that clocks and frames within their priors leave."""
+    """Return the sum of squares after alignment of clocks and frames within their priors."""
     placed = _placed(fit)[len(fit.z) :]
     own = Projection(
         fit.projection.jacobian[np.ix_(rows, np.flatnonzero(placed))], fit.nuisance.sigma[placed]

@@ -147,7 +147,7 @@ class EffectFamily(Candidate):
     hierarchy : dict of str to HierarchicalPrior
         Of the members' parameters that are alike, by their names.
     shared : bool
-        Whether the members have one value of each parameter.
+        True if the members have one value of each parameter.
     """
 
     members: tuple[Candidate, ...] = ()
@@ -176,7 +176,7 @@ class EffectFamily(Candidate):
 
     @property
     def spots(self) -> frozenset[tuple[str, str]]:
-        """Return name and place of each effect that it puts into a model."""
+        """Return name and place of each effect that it adds to a model."""
         return frozenset().union(*(member.spots for member in self.members))
 
     @cached_property
@@ -202,17 +202,17 @@ class EffectFamily(Candidate):
         return found
 
     def prior_of(self, name: str) -> Prior | None:
-        """Return the prior of a member's parameter that this machine told; None of all others."""
+        """Return the hierarchical prior of a member's parameter; None for other parameters."""
         alike = None if self.shared else self.hierarchy.get(self._values[name][0][1])
         return None if alike is None else alike.of_member()
 
     def prior_weight(self, name: str) -> float:
-        """Return the weight of a parameter's prior in a fit: a whole one if this machine told it."""
+        """Return the weight of a parameter's prior in a fit: one for a hierarchical prior."""
         return super().prior_weight(name) if self.prior_of(name) is None else 1.0
 
     @property
     def hyperprior_cost(self) -> float:
-        """Return ln of the evidence of the means and spreads."""
+        """Return the log evidence of the means and spreads."""
         return sum(each.cost(len(self.members)) for each in self.hierarchy.values())
 
     def parameters_in(self, arm: Arm) -> list[tuple[str, float, str]]:
@@ -234,15 +234,15 @@ class EffectFamily(Candidate):
         return self._with([m.with_parameters(each) for m, each in zip(self.members, own, strict=True)])
 
     def held(self) -> list[tuple[str, float, str]]:
-        """Return the parameters as (name, value, unit) that say how it acts and are chosen, not fitted."""
+        """Return shape parameters as (name, value, unit) that are chosen, not fitted."""
         return self.members[0].held()
 
     def keys_of(self, name: str) -> list[str]:
-        """Return the model's parameters that a parameter is the value of."""
+        """Return the keys of the model's parameters that have the value of a parameter."""
         return [key for k, parameter in self._values[name] for key in self.members[k].keys_of(parameter)]
 
     def is_size(self, name: str) -> bool:
-        """Return True if a parameter says how much of the effect there is at a place."""
+        """Return True if a parameter is the size of the effect at a place."""
         k, parameter = self._values[name][0]
         return self.members[k].is_size(parameter)
 
@@ -319,7 +319,7 @@ def family_of(members: Sequence[Candidate], arm: Arm, spread: float, count: floa
 
 
 def clear_places(fit: Fit, family: EffectFamily, strong: float) -> list[str]:
-    """Return the places of a family where the data show its size by themselves.
+    """Return the places of a family whose sizes the data determine.
 
     A size is known to a part f of itself if its effect has a signal to noise ratio of 1/f, which is an
     evidence of 1/(2 f^2): more than `strong` [-].
@@ -344,7 +344,7 @@ def with_spreads(fit: Fit) -> Fit:
 
 
 def covariance(fit: Fit) -> Floats:
-    """Return the covariance of z and x, where rows are worth what the fit leaves of them in the mean."""
+    """Return the covariance of z and x, with rows weighted by the mean square of the residual."""
     jacobian, _, prior = joint_jacobian(fit)
     weight = np.full(len(jacobian), min(1.0, len(fit.residual) / max(fit.cost, 1e-300)))
     return NormalEquations.of(jacobian, prior, weight).inverse()

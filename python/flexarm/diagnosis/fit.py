@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 
 class Projection:
-    """Residuals without what unknowns explain.
+    """Projection of residuals orthogonal to nuisance parameters.
 
     Parameters
     ----------
@@ -103,27 +103,27 @@ class Projection:
 
 
 FIT_ERRORS = (InvalidParameter, NotConverged, LinAlgError)
-"""Where there is no fit: of models that cannot be simulated, and of least squares without a solution."""
+"""Errors of models that cannot be simulated, and of least squares without a solution."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A model with a set of effects, fitted.
+    """A fitted model with a set of effects.
 
     Attributes
     ----------
     members : tuple of Candidate
         The effects, each at its optimum.
     parameters, z : tuple of TransformedParameter and ndarray, shape (k,)
-        What was fitted, in sigmas of the priors.
+        The fitted parameters, in sigmas of their priors.
     residual : ndarray, shape (n,)
         Of that model, eq. (1) of `problem`.
     projected : ndarray, shape (n + m,)
-        Of which clocks, frames and nominal values explain nothing more.
+        The residual projected orthogonally to nuisance parameters.
     jacobian : ndarray, shape (n, k)
         Derivatives of `residual` by z.
     nuisance, projection
-        What was eliminated.
+        The eliminated nuisance parameters, and their projection.
     """
 
     members: tuple[Candidate, ...]
@@ -142,7 +142,7 @@ class Fit:
 
     @property
     def non_smooth(self) -> bool:
-        """Return True if some law of the model has corners."""
+        """Return True if some law of the model is non-smooth."""
         return is_non_smooth(self.nuisance.arm) or not all(member.effect.smooth for member in self.members)
 
     @property
@@ -162,9 +162,9 @@ class Fit:
 
 
 UNKNOWN = 1e-15
-"""Part of the greatest eigenvalue below which a direction is unknown: nothing but rounding."""
+"""Part of the greatest eigenvalue below which a direction is undetermined: rounding."""
 ROUNDED = 1e-10
-"""The same where rows were taken away: their rounding stays."""
+"""The same after rows were subtracted: their rounding stays."""
 
 
 @dataclass(frozen=True)
@@ -212,7 +212,7 @@ class NormalEquations:
 
 
 def joint_jacobian(fit: Fit) -> tuple[Floats, Floats, Floats]:
-    """J, the residuals that unknowns leave, and the diagonal of Lambda, at the optimum of a fit."""
+    """Return J, the projected residuals, and the diagonal of Lambda, at the optimum of a fit."""
     x = fit.projection.solve(fit.residual)
     jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
     residual = fit.residual + fit.projection.jacobian @ x
@@ -221,7 +221,7 @@ def joint_jacobian(fit: Fit) -> tuple[Floats, Floats, Floats]:
 
 
 NO_WEIGHT = 1e-12
-"""Of `Normal`: what rows of little weight and no prior hardly know stays where it is."""
+"""`unknown` of weighted rows: directions that they hardly determine keep their values."""
 
 
 def gls_step(fit: Fit, jacobian: Floats, residual: Floats) -> Floats:
@@ -231,7 +231,7 @@ def gls_step(fit: Fit, jacobian: Floats, residual: Floats) -> Floats:
 
 
 def gls_nuisance(fit: Fit) -> Floats:
-    """x of a fit, shape (m,), where rows are worth what it leaves of them in the mean."""
+    """Return x of a fit, shape (m,), with rows weighted by the mean square of the residual."""
     root = 1.0 / np.sqrt(max(1.0, fit.cost / len(fit.residual)))
     jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
     step = gls_step(fit, root * jacobian, root * fit.residual)

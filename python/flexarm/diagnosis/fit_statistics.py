@@ -38,7 +38,7 @@ from flexarm.fit_statistics import ChannelStatistics, Correlation, FitStatistics
 from flexarm.wording import place_words
 
 STRONGEST = 12
-"""Correlations that are told."""
+"""Most correlations that are listed."""
 
 
 def fit_statistics(fit: Fit, problem: Problem) -> FitStatistics:

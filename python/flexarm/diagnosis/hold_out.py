@@ -50,13 +50,13 @@ if TYPE_CHECKING:
 
 
 BLOCKS, EVERY = 20, 5
-"""Blocks of a record, of which every so-many-th is held back."""
+"""Blocks of a record, of which each fifth is held out."""
 SAME = 0.05
 """Relative difference within which two motions or payloads count as the same."""
 
 
 def hold_back(record: Record, compared: Iterable[str] | None = None) -> tuple[Record, Record | None]:
-    """Return a record without the blocks that are held back, and one with nothing else.
+    """Return a record without its held-out blocks, and one with these alone.
 
     If either would hold nothing to compare, as of four poses, the record stays whole and the other is None.
 
@@ -79,7 +79,7 @@ def hold_back(record: Record, compared: Iterable[str] | None = None) -> tuple[Re
 
 
 def hold_out_kind(arm: Arm, training: Mapping[str, Record], held_out: Record) -> str:
-    """How far a held-out record lies from the training.
+    """Return how far a held-out record lies from the training.
 
     Returns
     -------
@@ -114,7 +114,8 @@ class _Feature:
     value : float
         Its value [unit].
     side : {-1, 0, 1}
-        On which side of what is known it is new: below, on either, above. A smaller range is nothing new.
+        On which side of known values it extrapolates: below, either, above. A smaller range is no
+        extrapolation.
     """
 
     words: str
@@ -127,7 +128,7 @@ class _Feature:
         return abs(self.value - other.value) <= SAME * max(abs(self.value), abs(other.value), 1e-12)
 
     def beyond(self, known: Sequence[float]) -> str:
-        """In words that it lies beyond what is known; empty if it does not."""
+        """Return a clause that it lies beyond known values; empty if it does not."""
         size = SAME * max(abs(self.value), *map(abs, known), 1e-12)
         low, high = min(known), max(known)
         if self.side <= 0 and self.value < low - size:
@@ -146,7 +147,7 @@ Features = dict[str, _Feature]
 
 
 def _alike(arm: Arm, training: Mapping[str, Record], held_out: Record) -> list[Features]:
-    """Features of the records of training that drive the same joints and draw out the same links."""
+    """Return features of the training records that drive the same joints and draw out the same links."""
     return [
         _features(arm, record)
         for record in training.values()
@@ -165,7 +166,7 @@ def _beyond(asked: Features, known: Sequence[Features]) -> list[str]:
 
 
 def _features(arm: Arm, record: Record) -> Features:
-    """Lengths of links, range and rms rate of each drive, and masses of payloads."""
+    """Return lengths of links, range and rms rate of each drive, and masses of payloads."""
     found = {
         f"length of {name}": _Feature(f"link {name} is drawn out to", "m", record.links[name].length)
         for name in sorted(record.links)
@@ -183,7 +184,7 @@ def _features(arm: Arm, record: Record) -> Features:
 
 
 def _masses(arm: Arm, record: Record) -> Features:
-    """Least and greatest mass of each payload: one and the same but where poses were weighed one by one."""
+    """Return least and greatest mass of each payload; they differ only if records state a mass by pose."""
     machine = machine_of(record.applied_to(arm))
     by_pose = {signal.payload: signal for signal in record.of_quantity("payload_mass").values()}
     found = {}
@@ -196,7 +197,7 @@ def _masses(arm: Arm, record: Record) -> Features:
 
 
 def _range(signal: Signal) -> tuple[float, float]:
-    """Least and greatest value; zeros if there is none."""
+    """Return least and greatest value; zeros if there is none."""
     values = signal.values[np.isfinite(signal.values[:, 0]), 0]
     return (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
 
@@ -212,7 +213,7 @@ def rms_rate(signal: Signal) -> float:
 
 
 def _evidence(record: Record) -> list[Signal]:
-    """Signals that say how the arm answered."""
+    """Return the signals that are outputs of the arm."""
     return [
         signal
         for name, signal in record.signals.items()
@@ -221,7 +222,7 @@ def _evidence(record: Record) -> list[Signal]:
 
 
 def _held(record: Record, signal: Signal) -> NDArray[np.bool_]:
-    """Rows that are held back."""
+    """Return True at held-out rows."""
     if signal.pose is not None:
         number = _numbers(record)
         return np.array([number[pose] % EVERY == EVERY - 1 for pose in signal.pose.tolist()], dtype=bool)
@@ -233,13 +234,13 @@ def _held(record: Record, signal: Signal) -> NDArray[np.bool_]:
 
 
 def _numbers(record: Record) -> dict[str, int]:
-    """Poses in the order in which they were seen: one that is held back is so for every signal."""
+    """Return numbers of poses in the order in which they were measured, the same for all signals."""
     seen = (signal.pose.tolist() for signal in _evidence(record) if signal.pose is not None)
     return {pose: k for k, pose in enumerate(dict.fromkeys(chain.from_iterable(seen)))}
 
 
 def _span(record: Record, signal: Signal) -> tuple[float, float]:
-    """First and last instant of all signals whose clocks tell one time with that of a signal [s]."""
+    """Return first and last instant of all signals that share the time base of a signal [s]."""
     own = _time_of(record, signal)
     times = [
         record.instants(other)
@@ -250,9 +251,7 @@ def _span(record: Record, signal: Signal) -> tuple[float, float]:
 
 
 def _time_of(record: Record, signal: Signal) -> str:
-    """Return the time that a clock tells: that of the reference clock (""), or its own if its offset is
-    unknown.
-    """
+    """Return the time base of a signal: "" for the reference clock, or its own clock of unknown offset."""
     return signal.clock if record.clocks[signal.clock].unknown else ""
 
 
@@ -262,7 +261,7 @@ def _without(signal: Signal, rows: NDArray[np.bool_]) -> Signal:
 
 @dataclass(frozen=True)
 class Split:
-    """Records to fit, those to check the repair with, how these were held out and why so, and remarks."""
+    """Training and held-out records, kind of the hold-out and its reason, and remarks."""
 
     training: dict[str, Record]
     held_out: dict[str, Record]
@@ -270,21 +269,19 @@ class Split:
     why: str
     remarks: tuple[str, ...]
 
-    def without_strays(self, model: Arm, like: Problem) -> Split:
-        """Return what is held out loses its outliers too, beside the model that explains the rest."""
+    def without_outliers(self, model: Arm, like: Problem) -> Split:
+        """Return the split without outliers of held-out data, relative to a model."""
         motions = {name: record for name, record in self.held_out.items() if record.kind == "motion"}
         if not motions:
             return self
         held = Problem(model, motions, step=like.step, alpha=like.alpha, jobs=like.jobs)
-        out = strays(held.residual(model), held)
-        told = (*self.remarks, *strays_told(out, held))
+        out = residual_outliers(held.residual(model), held)
+        told = (*self.remarks, *outlier_remarks(out, held))
         return replace(self, held_out=left_out(self.held_out, out, held), remarks=told)
 
 
 def named_hold_out(arm: Arm, hold_out: Record | None, given: Mapping[str, Record]) -> dict[str, Record]:
-    """Return a record of its own to check the repair with, by name, if there is one; it must fit the
-    model.
-    """
+    """Return the given held-out record by name, checked against the model; empty without one."""
     if hold_out is None:
         return {}
     [record] = named_records({"hold_out": hold_out}).values()
@@ -307,7 +304,7 @@ def _same_values(one: Record, other: Record) -> bool:
 
 
 def split(arm: Arm, checked: ValidationResult, held_out: ValidationResult) -> Split:
-    """Training and check: a record of its own, or else blocks of time of each."""
+    """Return training and held-out data: a record of its own, or blocks of each record."""
     named = checked.comparable()
     remarks = (*map(str, held_out.outliers), *held_out.remarks)
     for record in held_out.records.values():
@@ -325,7 +322,7 @@ def split(arm: Arm, checked: ValidationResult, held_out: ValidationResult) -> Sp
 
 
 def _name(record: Record, taken: Mapping[str, Record]) -> str:
-    """Of the held-out record: its directory's, with as many parents as names of the training have."""
+    """Return the name of the held-out record: its directory, with as many parents as training names have."""
     parents = max(each.count("/") for each in taken)
     parts = ("held_out",) if record.path is None else record.path.resolve().parts[-1 - parents :]
     name = "/".join(parts)
@@ -333,13 +330,13 @@ def _name(record: Record, taken: Mapping[str, Record]) -> str:
 
 
 AROUND = 2.0
-"""How far a stray is off, over what most rows around it are."""
+"""Least distance of an outlier over that of most rows around it."""
 MOST = 0.15
-"""Of the rows of a channel: where more are off, that is what the channel does."""
+"""Greatest share of outliers in a channel: more are a property of the channel."""
 
 
-def strays(rest: Floats, problem: Problem) -> NDArray[np.bool_]:
-    """Rows of motions that are strays by (2) in what a model leaves, shape (n,)."""
+def residual_outliers(rest: Floats, problem: Problem) -> NDArray[np.bool_]:
+    """Return True at rows of motions that are outliers of a residual by (2), shape (n,)."""
     found = np.zeros(len(problem), dtype=bool)
     for each, where in problem.channels():
         record = problem.records[each.record]
@@ -359,13 +356,13 @@ def strays(rest: Floats, problem: Problem) -> NDArray[np.bool_]:
     return found
 
 
-def hidden_strays(best: Fit, criteria: Criteria) -> NDArray[np.bool_]:
-    """Strays without which a model leaves no gap; none where it leaves none anyhow, or one all the same."""
+def masked_outliers(best: Fit, criteria: Criteria) -> NDArray[np.bool_]:
+    """Return outliers whose removal makes a model adequate; none if it already is, or stays inadequate."""
     problem = criteria.problem
     nothing = np.zeros(len(problem), dtype=bool)
     if not criteria.leaves_gap(best):
         return nothing
-    found = strays(best.projected, problem)
+    found = residual_outliers(best.projected, problem)
     rest = best.projected.copy()
     rest[np.flatnonzero(found)] = 0.0
     return nothing if criteria.leaves_gap(replace(best, projected=rest)) else found
@@ -383,7 +380,7 @@ def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], problem: Pro
     return found
 
 
-def strays_told(found: NDArray[np.bool_], problem: Problem) -> list[str]:
+def outlier_remarks(found: NDArray[np.bool_], problem: Problem) -> list[str]:
     """Return a sentence for each signal of a record that has some."""
     counts: dict[tuple[str, str], int] = {}
     for each, where in problem.channels():

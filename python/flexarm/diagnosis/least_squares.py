@@ -9,12 +9,12 @@ determine, such as a damping, at plausible values, and hardly moves what they do
 
 SciPy's least_squares solves (1) within bounds. Its derivatives come from a model that was fitted nearby, or
 from finite steps, as laws that are not smooth need them, and from there on from Broyden's update
-[Broyden1965] while that foretells what a step does,
+[Broyden1965] while that predicts what a step does,
 
     J' = J + (r(z') - r(z) - J dz) dz^T/|dz|^2,   dz = z' - z                                          (2)
 
-A fit that does not come near another model is not finished: it ends where (1) would stay above a limit even
-if it fell twice as far once more as in the last step, or as it is foretold to fall in the next.
+A fit that does not come near another model is terminated early: if (1) would stay above a limit even if it
+fell once more by twice its last fall, or by twice the predicted one.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.fit import Fit
 
 
-FORETOLD = 0.25
-"""Part of a step's effect that (2) may have missed before differences are taken anew."""
+PREDICTED = 0.25
+"""Part of a step's effect that (2) may miss before differences are computed."""
 EVALUATIONS, TOLERANCE = 8, 2e-3
 """Most evaluations of a fit besides differences; relative tolerance of its steps, of (1) a tenth of it."""
 TAKEN_OVER = 1.0
 """Sigmas of its prior by which a parameter may lie elsewhere in a model whose derivatives are taken over."""
 MORE = 2.0
-"""Times the last fall of (1), or the next one as foretold, that a fit is still trusted to fall."""
+"""Multiple of the last or the predicted fall of (1) that a fit may still fall."""
 
 
 class _FarOff(Exception):
@@ -61,7 +61,7 @@ class LeastSquares:
     nearby : Fit, optional
         A model with some of the effects, of which the first derivatives are taken over.
     given_up : bool
-        Whether the fit ended above its limit, before its least.
+        True if the fit ended early, above its limit.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class LeastSquares:
         tolerance: float = TOLERANCE,
         limit: float = inf,
     ) -> Floats:
-        """Where (1) is least within the bounds, or where it was found to stay above the limit.
+        """Return z at the minimum of (1) within the bounds, or where the fit was terminated early.
 
         Raises
         ------
@@ -121,7 +121,7 @@ class LeastSquares:
         return np.asarray(found.x)
 
     def z_of(self, members: Sequence[Candidate]) -> Floats:
-        """Their parameters."""
+        """Return the parameters z of effects."""
         return np.array([c.z(members[c.candidate].value_of(c.name)) for c in self.parameters])
 
     def members_at(self, z: Floats) -> tuple[Candidate, ...]:
@@ -129,7 +129,7 @@ class LeastSquares:
         return members_at(self.members, self.parameters, z)
 
     def residual(self, z: Floats) -> Floats:
-        """Residuals of the model."""
+        """Return residuals of the model."""
         key = z.tobytes()
         if key not in self._raw:
             self._raw[key] = self.estimator.residual(self.members_at(z))
@@ -144,9 +144,7 @@ class LeastSquares:
         return np.concatenate([rest, prior_rows(self.parameters, z)[0]])
 
     def objective_jacobian(self, z: Floats) -> Floats:
-        """Return derivatives of the rows, where a step has led; the fit ends here if it stays above its
-        limit.
-        """
+        """Return derivatives of the rows; a fit that would stay above its limit is terminated here."""
         found = np.vstack(
             [self.projection.project(self.jacobian_at(z)), np.diag(prior_rows(self.parameters, z)[1])]
         )
@@ -197,7 +195,7 @@ class LeastSquares:
         return found
 
     def _updated(self, z: Floats) -> Floats | None:
-        """Eq. (2) from the last derivatives; None where they foretold too little.
+        """Eq. (2) from the last derivatives; None where they predicted too little.
 
         A single difference costs as little.
         """
@@ -207,7 +205,7 @@ class LeastSquares:
         jacobian, dz = self._slopes[self._last.tobytes()], z - self._last
         step = self.residual(z) - self.residual(self._last)
         missed = step - jacobian @ dz
-        if float(missed @ missed) > FORETOLD**2 * float(step @ step):
+        if float(missed @ missed) > PREDICTED**2 * float(step @ step):
             return None
         updated: Floats = jacobian + np.outer(missed, dz / float(dz @ dz))  # eq. (2)
         return updated
@@ -239,7 +237,7 @@ class LeastSquares:
             return None
 
     def _exact(self, z: Floats) -> Floats | None:
-        """Return the same of laws without corners in poses, which have derivatives of their own."""
+        """Return the same of smooth laws in poses, which have derivatives of their own."""
         keys = [self.members[c.candidate].keys_of(c.name) for c in self.parameters]
         arm = self._arm(z)
         if not keys or arm is None or not all(c.smooth for c in self.parameters):

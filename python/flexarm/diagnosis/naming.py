@@ -31,15 +31,15 @@ from flexarm.record import Signal
 from flexarm.wording import SPELT_OUT, listed, number, place_words, with_unit
 
 SHRUNK = 0.95
-"""Part of a gap that may be left where it is said to fall."""
+"""Greatest part of a gap that is left where it counts as reduced."""
 UNUSUAL = 3.0
-"""Sigmas of its prior from which a parameter is said to be unlike those of other machines."""
+"""Sigmas of its prior from which a parameter is unusual."""
 
 
 def evidence_sentence(
     choice: Choice, k: int, moving: Sequence[Mapping[str, Any]], open_gap: bool, problem: Problem
 ) -> str:
-    """Return what speaks for effect k of a choice, and what does not; one sentence for a person."""
+    """Return the evidence for and against effect k of a choice in one sentence."""
     best = choice.best
     text = _shrinking(choice, k, problem)
     if choice.rivals[k]:
@@ -53,7 +53,7 @@ def evidence_sentence(
             f"{they}, by {without} without"
         )
     if Criteria(problem, choice.null).in_conflict(best):
-        worst = "".join(_strained(best, problem.policy.pull))
+        worst = "".join(_conflict_clause(best, problem.policy.pull))
         text += f"; even with it {worst}, so that something else may be missing"
     text += "".join(f"; {said}" for said in _doubts(best, k, problem.policy.strong_evidence))
     for each in moving:
@@ -64,14 +64,14 @@ def evidence_sentence(
 
 
 def _doubts(best: Fit, k: int, strong: float) -> Iterator[str]:
-    """Yield what is chosen, shared or unusual in an effect."""
-    yield from _held(best.members[k])
+    """Yield clauses on chosen, shared or unusual parameters of an effect."""
+    yield from _chosen_parameters(best.members[k])
     yield from _known_places(best, best.members[k], strong)
     yield from _unusual(best, k)
 
 
 def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
-    """Return what an effect does: the first one with the gap that all close and what they spare the model."""
+    """Return a clause on what an effect explains; of the first one on the gap and the conflicts of all."""
     members = [place_words(each.name, each.at) for each in choice.best.members]
     alone = len(members) == 1
     before = max(above_noise(choice.null.projected, problem, choice.null.non_smooth).values())
@@ -83,7 +83,7 @@ def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
     if k:
         others = listed(members[:k] + members[k + 1 :])
         return f"beside {others} the data ask for {members[k]} too {gained}"
-    spared = "".join(_strained(choice.null, UNUSUAL))
+    spared = "".join(_conflict_clause(choice.null, UNUSUAL))
     if spared and after >= SHRUNK * before:
         return (
             f"with clocks, frames and nominal values fitted along the largest gap above the noise is "
@@ -100,23 +100,21 @@ def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
 
 
 def _behind(rival: float, gained: float) -> str:
-    """How far behind a rival is: no number beyond what the effect gains over none.
+    """Return how far behind an alternative is; no number beyond what the effect gains over none.
 
-    Factors of pairs do not add up. The more two models differ, the more of it an error of the simulation may
-    be (eq. (3) of `diagnosis.evidence`), and no effect at all differs most.
+    Bayes factors of pairs do not add up: the more two models differ, the more the error of the simulation
+    counts (eq. (3) of `diagnosis.evidence`).
     """
     return f"behind by a ln Bayes factor of {_factor(rival)}" if rival <= gained else "far behind"
 
 
 def _factor(log_bayes: float) -> str:
-    """Return a logarithm of a Bayes factor: tenths where they count."""
+    """Return a log Bayes factor as text."""
     return f"{log_bayes:.1f}" if abs(log_bayes) < 10 else f"{log_bayes:.0f}"
 
 
-def _strained(fit: Fit, beyond: float) -> Iterator[str]:
-    """Return what a model must assume of a clock, a frame or a nominal value, if that is beyond so many
-    sigmas.
-    """
+def _conflict_clause(fit: Fit, beyond: float) -> Iterator[str]:
+    """Yield the largest pull of a nuisance parameter, if it is beyond so many sigmas."""
     if not len(fit.nuisance.parameters):
         return
     pulls = np.abs(fit.projection.solve(fit.residual)) / fit.nuisance.sigma
@@ -126,14 +124,14 @@ def _strained(fit: Fit, beyond: float) -> Iterator[str]:
         yield f"the {unknown.words} would be off by {number(pulls[worst], 2)} times its stated sigma"
 
 
-def _held(member: Candidate) -> Iterator[str]:
-    """Parameters that say how an effect acts and were chosen, not fitted."""
+def _chosen_parameters(member: Candidate) -> Iterator[str]:
+    """Yield parameters of an effect that were chosen, not fitted."""
     for name, value, unit in member.held():
         yield f"its {name} is {number(value)}{'' if unit == '-' else f' {unit}'}"
 
 
 def _known_places(fit: Fit, member: Candidate, strong: float) -> Iterator[str]:
-    """Places of a family where the data show its size by themselves."""
+    """Yield the places of a family where the data determine its size."""
     if isinstance(member, EffectFamily):
         clear, count = clear_places(fit, member, strong), len(member.members)
         where = listed(clear) if len(clear) <= SPELT_OUT else f"{len(clear)} places"
@@ -142,7 +140,7 @@ def _known_places(fit: Fit, member: Candidate, strong: float) -> Iterator[str]:
 
 
 def _unusual(fit: Fit, k: int) -> Iterator[str]:
-    """Parameters of an effect that are far from those of other machines."""
+    """Yield parameters of an effect that are far from their priors."""
     for parameter, z in zip(fit.parameters, fit.z, strict=True):
         own = parameter.weight < 1.0  # and not that of the other places
         if parameter.candidate == k and own and abs(z) > UNUSUAL and parameter.prior.scale != "uniform":
@@ -157,8 +155,10 @@ def _unusual(fit: Fit, k: int) -> Iterator[str]:
 IN_ITS_PLACE = "less likely in the place of a named effect"
 ON_THE_WAY = "less likely as it was tried on the way"
 """Why a candidate was not taken."""
-LOST = "what the encoder lost between its counts may look like it, so that it is at most as likely as not"
-"""Said of a name beside an encoder that counts in steps."""
+QUANTISED = (
+    "what the encoder lost between its counts may look like it, so that it is at most as likely as not"
+)
+"""Reason for doubt where an encoder counts in coarse steps."""
 
 Drift = Mapping[str, Any]
 """An effect's parameter fitted to each record, of `diagnosis.fit_statistics`."""
@@ -172,9 +172,9 @@ def named_effects(
     problem: Problem,
     coarse: bool = False,
 ) -> tuple[NamedEffect, ...]:
-    """Return the chosen effects, each with its rivals within reach, the most probable first.
+    """Return the chosen effects, each with its alternatives within reach, the most probable first.
 
-    `coarse` says that an encoder counts in steps that matter.
+    `coarse` is True if an encoder counts in steps that matter.
     """
     policy = problem.policy
     found = []
@@ -191,7 +191,7 @@ def named_effects(
         )
         evidence = evidence_sentence(choice, k, moving, open_gap, problem)
         if coarse:
-            evidence = f"{evidence.removesuffix('.')}; {LOST}."
+            evidence = f"{evidence.removesuffix('.')}; {QUANTISED}."
         found.append(NamedEffect(member.name, member.at, first, sizes.effects[k], alternatives, evidence))
     return tuple(sorted(found, key=lambda effect: -effect.probability))
 
@@ -203,7 +203,7 @@ def _moves(drift: Drift, member: Candidate) -> bool:
 
 
 def rejected(choice: Choice, problem: Problem) -> tuple[Rejected, ...]:
-    """Rivals out of reach, and what was tried on the way; alternatives are neither."""
+    """Return effects out of reach, and those that were tried on the way."""
     found: dict[tuple[str, Place], Rejected] = {}
     near = {rival.candidate.place for rivals in choice.rivals for rival in rivals if rival.within_reach}
     chosen = {*choice.best.places, *near}
@@ -221,21 +221,19 @@ def rejected(choice: Choice, problem: Problem) -> tuple[Rejected, ...]:
     return tuple(sorted(found.values(), key=lambda each: -each.log_bayes_factor))
 
 
-TOLD = 1.0
-"""Least swing that is told, over the noise."""
+REPORTED = 1.0
+"""Least initial vibration that is reported, over the noise."""
 
 
-def initial_transients(fit: Fit, problem: Problem) -> Iterator[str]:
-    """Return a sentence for each record that begins with the arm swinging, which the gaps of a report still
-    hold.
-    """
+def transient_remarks(fit: Fit, problem: Problem) -> Iterator[str]:
+    """Yield a remark on each record with an initial vibration, which the gaps of a report include."""
     x = fit.projection.solve(fit.residual)
     for name in problem.records:
         mine = [fit.nuisance.keys.index(s.key) for s in problem.initial_conditions if s.record == name]
         move = fit.projection.jacobian[:, mine] @ x[mine]
         most = {each: float(np.abs(move[each.where]).max()) for each in problem.rows_of(name)}
         each = max(most, key=lambda rows: most[rows], default=None)
-        if mine and each is not None and most[each] > TOLD:
+        if mine and each is not None and most[each] > REPORTED:
             unit = problem.records[name].signals[each.signal].unit
             size = with_unit(most[each] * each.sigma, unit)
             yield (
@@ -247,10 +245,8 @@ def initial_transients(fit: Fit, problem: Problem) -> Iterator[str]:
 _SILENT = "no noise is stated, and its values are too few or too even to show it"
 
 
-def unweighed(problem: Problem) -> Iterator[str]:
-    """Return a sentence for each signal without a stated noise: what stands for it, what is not aligned by
-    it.
-    """
+def noise_remarks(problem: Problem) -> Iterator[str]:
+    """Yield a remark on each signal without a stated noise: the noise used, and what it does not align."""
     shown: dict[str, float] = {}
     for rows in problem.rows:
         if not has_noise(_signal(problem, rows.record, rows.signal).noise_std):
@@ -269,8 +265,8 @@ def unweighed(problem: Problem) -> Iterator[str]:
         yield text
 
 
-def unfitted(problem: Problem, compared: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """Return a sentence for each signal that a simulation predicts and of which no value is fitted.
+def unfitted_remarks(problem: Problem, compared: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield a remark on each signal that a simulation predicts and of which no value is fitted.
 
     Parameters
     ----------
@@ -288,8 +284,8 @@ def unfitted(problem: Problem, compared: Mapping[str, Sequence[str]]) -> Iterato
                 yield f"{record}: {name} is not fitted: {why}"
 
 
-def weighed_loads(problem: Problem) -> Iterator[str]:
-    """Return a sentence for each payload of which the records state the mass and the model an uncertainty."""
+def payload_remarks(problem: Problem) -> Iterator[str]:
+    """Yield a remark on each payload whose mass the records state and whose uncertainty the model states."""
     for load in known_loads(problem.arm, problem.records):
         yield (
             f"the mass of {load} is what the records state, and its uncertainty in the model has no part: "

@@ -58,9 +58,9 @@ if TYPE_CHECKING:
 def impute_noise(
     training: Mapping[str, Record], held_out: Mapping[str, Record]
 ) -> tuple[dict[str, Record], list[str]]:
-    """Return the held-out records with the noise of signals of the training, and sentences that say so.
+    """Return the held-out records with the noise of the training, and remarks.
 
-    Also said is what a signal without any does not align; of one of the training that is said elsewhere.
+    Remarks also name clocks and frames that a signal without noise does not align.
     """
     found, said = dict(held_out), []
     for name, record in held_out.items():
@@ -90,25 +90,25 @@ def _sentences(name: str, record: Record, signal: Signal, noise: float | None) -
 
 
 DRAWS = 4
-"""Of n in (1): a mode is shaken by little more than its own bandwidth, which is few values."""
+"""Draws of n in (1): a mode responds within its own bandwidth, which is few values."""
 ERROR_DRAWS = 8
 """The same for intervals: their width is then known to a quarter."""
-COUNTS = 0.3
-"""Least error of some channel, over its noise, that counts: a smaller one is 4 % of it."""
-SAID = 0.5
-"""The same of one that is said, or named."""
-LOUD = 5.0
-"""The same of one that is weighed by it: its own noise is a fifth of what it scatters by."""
+NEGLIGIBLE = 0.3
+"""Least error of some channel, over its noise, that counts: smaller ones add 4 %."""
+REPORTED = 0.5
+"""Least error, over the noise, that is reported."""
+DOMINANT = 5.0
+"""Error, over the noise, beyond which it replaces the noise of a channel."""
 SEED = 0
-"""Of n: the same for all models, so that they are judged alike."""
+"""Seed of n: the same for all models, so that they are compared alike."""
 
 
 def allow_for_input_noise(problem: Problem, arm: Arm) -> None:
-    """Count what (1) does to each of `rows` beside a model, where that is more than was known."""
+    """Add the input noise (1) of a model to `rows`, where it exceeds what was known."""
     rng = np.random.default_rng(SEED)
     with suppress(*FIT_ERRORS):
         errors = [_squared_error(problem, arm, rng)]
-        if errors[0].max(initial=0.0) < COUNTS**2:
+        if errors[0].max(initial=0.0) < NEGLIGIBLE**2:
             return
         errors += [_squared_error(problem, arm, rng) for _ in range(DRAWS - 1)]
         square = np.mean(errors, axis=0).tolist()
@@ -117,15 +117,15 @@ def allow_for_input_noise(problem: Problem, arm: Arm) -> None:
 
 
 def input_noise_by_signal(problem: Problem) -> dict[str, float]:
-    """By how many times their own noise that of the drives moves signals, where it is more than `SAID`."""
+    """Return input noise over the own noise of each signal, where it exceeds `REPORTED`."""
     most: dict[str, float] = {}
     for each in problem.rows:
         most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.input_noise))
-    return {signal: size for signal, size in most.items() if size > SAID}
+    return {signal: size for signal, size in most.items() if size > REPORTED}
 
 
 def input_noise_remarks(sizes: Mapping[str, float], problem: Problem) -> list[str]:
-    """Return a sentence on what `input_noise_by_signal` found, if that is something."""
+    """Return a remark on input noise, if there is any."""
     if not sizes:
         return []
     drives = dict.fromkeys(name for record in problem.records.values() for name in record.drive)
@@ -133,13 +133,12 @@ def input_noise_remarks(sizes: Mapping[str, float], problem: Problem) -> list[st
 
 
 def weighted_by_input_noise(problem: Problem) -> Problem:
-    """Return the same, with rows that noise of the drives moves by more than `LOUD` as noisy as that makes
-    them.
+    """Return the problem with input noise above `DOMINANT` as noise of its rows.
 
-    On a stiff arm a torque sensor reads little else at the beginnings and ends of moves, and by its own noise
-    it would outweigh all other signals.
+    On a stiff arm a torque sensor reads mostly input noise where moves begin and end, and by its own noise it
+    would outweigh all other signals.
     """
-    times = [sqrt(1.0 + each.input_noise) if each.input_noise > LOUD**2 else 1.0 for each in problem.rows]
+    times = [sqrt(1.0 + each.input_noise) if each.input_noise > DOMINANT**2 else 1.0 for each in problem.rows]
     if max(times, default=1.0) == 1.0:
         return problem
     found = problem.fresh()
@@ -151,13 +150,13 @@ def weighted_by_input_noise(problem: Problem) -> Problem:
 
 
 def _squared_error(problem: Problem, arm: Arm, rng: np.random.Generator) -> Floats:
-    """Return what (1) does to each of `rows`, mean square over its variance."""
+    """Return the mean square of one draw of (1) in each of `rows`, over its variance."""
     moved = _input_error(problem, arm, rng)
     return np.array([float(np.mean(moved[each.where] ** 2)) for each in problem.rows])
 
 
 def input_noise_errors(problem: Problem, arm: Arm) -> Floats:
-    """Return what draws of (1) do to the residual, over its noise, shape (draws, n); (0, n) if nothing."""
+    """Return residual errors for draws of (1), over the noise, shape (draws, n); (0, n) if there are none."""
     rng, found = np.random.default_rng(SEED), np.empty((0, len(problem)))
     with suppress(*FIT_ERRORS):
         for _ in range(ERROR_DRAWS):
@@ -169,7 +168,7 @@ def input_noise_errors(problem: Problem, arm: Arm) -> Floats:
 
 
 def _input_error(problem: Problem, arm: Arm, rng: np.random.Generator) -> Floats:
-    """Return what one draw of (1) does to the residual, over its noise, shape (n,)."""
+    """Return the residual error for one draw of (1), over the noise, shape (n,)."""
     again = {name: _noisy_again(record, arm, rng) for name, record in problem.records.items()}
     if all(again[name] is record for name, record in problem.records.items()):
         return np.zeros(len(problem))
@@ -212,7 +211,7 @@ def allow_for_discretisation_error(problem: Problem, arm: Arm) -> None:
         coarse, half, quarter = (problem.with_step(problem.step / times).residual(arm) for times in (1, 2, 4))
         error = extrapolated(half, quarter) - extrapolated(coarse, half)  # eq. (2)
         square = [float(np.mean(error[each.where] ** 2)) for each in problem.rows]
-        if max(square) < COUNTS**2:
+        if max(square) < NEGLIGIBLE**2:
             return
         rows = zip(problem.rows, square, strict=True)
         problem.rows = tuple(
@@ -221,17 +220,17 @@ def allow_for_discretisation_error(problem: Problem, arm: Arm) -> None:
 
 
 def discretisation_remarks(problem: Problem) -> list[str]:
-    """Return a sentence on signals of which no step is fine enough, if there are some."""
+    """Return a remark on signals for which no step is fine enough, if there are any."""
     most: dict[str, float] = {}
     for each in problem.rows:
         most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.discretisation_error))
-    sizes = {signal: size for signal, size in most.items() if size > COUNTS}
+    sizes = {signal: size for signal, size in most.items() if size > NEGLIGIBLE}
     said = "no time step is fine enough for what bounces: half of it moves"
     return [f"{said} {times_noise(sizes)}, which is no gap"] if sizes else []
 
 
 HALVINGS = 2
-"""At most: a search then takes four times as long."""
+"""Most halvings of the step: a search then takes four times as long."""
 SECOND_ORDER = 4.0
 """Least factor by which (3) falls where steps are halved, of 16: below, a finer step does not pay."""
 
@@ -260,7 +259,7 @@ def _moved(problem: Problem, arm: Arm) -> Floats:
 
 
 def step_remarks(stated: float, taken: float) -> list[str]:
-    """Return a sentence on a step that is not the stated one."""
+    """Return a remark on a step that is not the stated one."""
     if taken == stated:
         return []
     return [

@@ -1,9 +1,8 @@
-"""Nuisance parameters, always fitted along: clocks, registrations, nominal values, and what an arm
-swings with where a record begins in motion.
+"""Nuisance parameters: clocks, registrations, nominal values, initial vibrations and tilts of the base.
 
-Each is a parameter of the model with a Gaussian prior. Clocks and frames get effects of their own in the
-model, `time_delay` and `frame_registration`, that start at zero: those of one name in several records are one
-clock and one frame, as well known as the record says that knows them best. Nominal values are those of
+Each has a Gaussian prior. Clocks and frames are effects of the model, `time_delay` and `frame_registration`,
+that start at zero. Those of one name in several records are one clock and one frame, with the smallest stated
+sigma. Nominal values are those of
 `[uncertainty]`.
 """
 
@@ -32,19 +31,19 @@ from flexarm.named_effects import Nuisance
 from flexarm.record import Record
 
 UNKNOWN_DELAY = 1.0
-"""1 sigma of a clock of which nothing is known, about the first guess [s]."""
+"""1 sigma of an unknown clock, about the first guess [s]."""
 UNKNOWN_POSE = {"translation": 0.1, "rotation": 0.1}
-"""1 sigma of a frame of which nothing is known, about the first guess [m], [rad]."""
+"""1 sigma of an unknown frame, about the first guess [m], [rad]."""
 KEPT = 0.8
 """Greatest part that a nominal value may lose."""
 
 OVER_RIPPLES, WIDEST = 0.3, 0.02
-"""Steps of nominal values beside laws with corners, in sigmas, and the most, as part of the value."""
+"""Differences of nominal values in non-smooth models, in sigmas, and at most as part of the value."""
 
 
 @dataclass(frozen=True)
 class NuisanceParameter:
-    """A number that is fitted along.
+    """A parameter that is fitted along with the effects.
 
     Attributes
     ----------
@@ -55,9 +54,9 @@ class NuisanceParameter:
     unit : str
         Of both.
     kind : {"clock", "frame", "nominal", "start", "base"}
-        What it is; a "start" is what the arm swings with where a record begins, "base" how its base stood.
+        A "start" is an initial vibration of a record, "base" the tilt of its base.
     one_sign : bool
-        Whether the model refuses values on the other side of zero, as of a modulus.
+        True if the model refuses values on the other side of zero, as of a modulus.
     """
 
     key: str
@@ -69,12 +68,12 @@ class NuisanceParameter:
 
     @property
     def of_record(self) -> bool:
-        """Return True if it belongs to one record and no model: it stays in proportion about any model."""
+        """Return True if it belongs to one record, not to the model: it acts linearly about any model."""
         return self.kind in ("start", "base")
 
     @property
     def place(self) -> tuple[str, str]:
-        """Effect and place of a clock's, a frame's or a base's: of that the record."""
+        """Return effect and place of a clock or frame; of a base the record."""
         if self.kind == "base":
             return BaseTilt.name, self.key.removeprefix("records.").rsplit(".", 3)[0]
         _, name, at, *_ = self.key.split(".")
@@ -82,7 +81,7 @@ class NuisanceParameter:
 
     @property
     def words(self) -> str:
-        """Return what it is, in a sentence."""
+        """Return a description for sentences."""
         if self.kind == "nominal":
             return f"value {self.key}"
         if self.kind == "start":
@@ -93,10 +92,10 @@ class NuisanceParameter:
         return f"{'.'.join(rest)} of {self.kind} {at}"
 
     def kept(self, step: float) -> float:
-        """Return a step from the centre, shortened where a nominal value would all but lose its sign.
+        """Return a step from the centre, shortened where a nominal value would nearly lose its sign.
 
-        Steps are linear, and far from the optimum they can be far too long: a stiffness, however badly known,
-        and what is known to less than itself stay above a fifth of it. What belongs to a record stays.
+        Linear steps far from the optimum can be too long: values of one sign, and values known to better than
+        themselves, stay above a fifth of the centre. Parameters of a record stay at theirs.
         """
         if self.of_record:
             return 0.0
@@ -107,7 +106,7 @@ class NuisanceParameter:
 
 @dataclass(frozen=True)
 class NuisanceModel:
-    """All of them.
+    """All nuisance parameters of a problem.
 
     Attributes
     ----------
@@ -122,25 +121,26 @@ class NuisanceModel:
 
     @property
     def keys(self) -> list[str]:
-        """Of the model's parameters."""
+        """Return the keys of the model's parameters."""
         return [unknown.key for unknown in self.parameters]
 
     @property
     def sigma(self) -> np.ndarray:
-        """1 sigma of each."""
+        """Return 1 sigma of each."""
         return np.array([unknown.sigma for unknown in self.parameters])
 
     def put(self, arm: Arm, values: np.ndarray) -> Arm:
-        """Return a model of which these have other values; what it swings with at a start is none of it."""
+        """Return a model with values of these; those of records are no part of it."""
         for unknown, value in zip(self.parameters, values, strict=True):
             if not unknown.of_record:
                 arm = with_value(arm, unknown.key, float(value))
         return arm
 
     def steps(self, arm: Arm) -> dict[str, float]:
-        """Of differences by nominal values where the model has a law with corners; small ones elsewhere.
+        """Return steps of differences with respect to nominal values in non-smooth models; small ones
+        elsewhere.
 
-        What hits a stop a little earlier swings on out of step: small differences say what the next hit does.
+        After an impact at another instant the motion is out of phase, so small differences tell little.
         """
         if not is_non_smooth(arm):
             return {}
@@ -151,12 +151,12 @@ class NuisanceModel:
         }
 
     def without(self, keys: set[str]) -> NuisanceModel:
-        """Fewer."""
+        """Return the model without some keys."""
         return NuisanceModel(self.arm, tuple(u for u in self.parameters if u.key not in keys))
 
 
 def nuisance_model(problem: Problem) -> NuisanceModel:
-    """Clocks and frames of the records, and the model's uncertain values."""
+    """Return clocks and frames of the records, and the uncertain values of the model."""
     arm = problem.arm
     clocks, frames = _clocks(problem), _frames(problem)
     for name in clocks:
@@ -182,7 +182,7 @@ def nuisance_model(problem: Problem) -> NuisanceModel:
 
 
 def nominal(arm: Arm, records: Mapping[str, Record]) -> list[NuisanceParameter]:
-    """Nominal values with an uncertainty; the mass of a payload that every record weighed is known."""
+    """Return uncertain nominal values; a payload mass that every record states is known."""
     found = []
     for key in arm.uncertainty:
         value, sigma = arm.sigma(key)
@@ -202,21 +202,19 @@ def nominal(arm: Arm, records: Mapping[str, Record]) -> list[NuisanceParameter]:
 
 
 def known_loads(arm: Arm, records: Mapping[str, Record]) -> list[str]:
-    """Payloads whose mass has an uncertainty in the model and is known, as every record weighed it."""
+    """Return payloads with an uncertain mass that every record states."""
     return [bare.split(".")[1] for key in arm.uncertainty if _known(bare := bare_key(arm, key), records)]
 
 
 def _known(key: str, records: Mapping[str, Record]) -> bool:
-    """Return True if a value is the mass of a payload that every record weighed."""
+    """Return True if a value is the mass of a payload that every record states."""
     table, name, *rest = key.split(".")
     masses = table == "payloads" and rest == ["mass"] and bool(records)
     return masses and all(weighed(record, name) for record in records.values())
 
 
 def _has_one_sign(arm: Arm, nominal: Parameter, sigma: float) -> bool:
-    """Return True if the model refuses a value as far on the other side of zero; of zero, a sigma below
-    it.
-    """
+    """Return True if the model refuses the value of opposite sign; for zero, a sigma below it."""
     try:
         with_value(arm, nominal.key, -nominal.value or -sigma)
     except InvalidParameter:
@@ -231,7 +229,7 @@ def bare_key(arm: Arm, key: str) -> str:
 
 
 def first_guess(key: str, problem: Problem) -> float:
-    """Return where an unknown clock, whose delay is a parameter, stands already in a problem [s]; else 0."""
+    """Return the first guess of the delay of an unknown clock [s]; 0 for other parameters."""
     if not key.startswith(f"effects.{TimeDelay.name}."):
         return 0.0
     clock = key.split(".")[2]

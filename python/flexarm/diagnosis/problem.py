@@ -3,9 +3,9 @@
     r(model) = (y - f(model)) / sigma                                                                 (1)
 
 y are all values of all signals that are evidence, in all records, sigma is their noise
-(`diagnosis.residual_rows`). Clocks and frames stand where the records state them (or, unknown ones,
-where a first guess puts them); everything else, their errors too, is a parameter of the model. Rows are the
-same for every model.
+(`diagnosis.residual_rows`). Clocks and frames are as the records state them, unknown ones as a first guess
+has them. Everything else, their errors included, is a parameter of the model. Rows are the same for every
+model.
 """
 
 from __future__ import annotations
@@ -79,17 +79,17 @@ class Problem:
     placement : dict of str to Placement
         Clocks and frames by record.
     rows : tuple of Rows
-        What the entries of a residual are.
+        The channels of which a residual consists.
     skipped : dict of str to str
         Signals of no use, "record: signal", and why.
     planar : bool
         True if the nominal arm moves in a plane in all records.
     initial_conditions : tuple of InitialCondition
-        What the arm may swing with where records begin in motion.
+        Possible initial vibrations of records that begin in motion.
     tilts : tuple of UncertainTilt
         Of the base, where records state them with a sigma.
     simulations : SimulationCache
-        Simulations beside the records.
+        Simulations of the records.
     evidence : WeakKeyDictionary
         Evidence of fits, and the rows that it was computed with (`diagnosis.evidence`).
     """
@@ -171,7 +171,7 @@ class Problem:
         return self._stepped[step]
 
     def fresh(self) -> Problem:
-        """Return the same with no residual remembered, for other rows or records to be put in."""
+        """Return a copy without cached residuals, for other rows or records."""
         found = copy(self)
         found._residuals, found._stepped = OrderedDict(), {}
         found.evidence = WeakKeyDictionary()
@@ -256,7 +256,8 @@ class Problem:
             self._keep(key, found[key])
 
     def correction(self, arm: Arm) -> Floats:
-        """Return what (1) misses of its value for vanishing time steps h, shape (len(self),).
+        """Return the discretisation error of (1): its limit for vanishing time steps h less (1), shape
+        (len(self),).
 
         Richardson's extrapolation from h and h/2 less r(h). Where
         h/2 moves more than the noise, or laws have corners, that shows in smaller steps: with h/2 and h/4.

@@ -43,7 +43,7 @@ HEIGHT = 1e-4
 FINER = 3
 """Steps of fits over those of (1): what rings on must not fall out of step, (omega h)^2/12 of a turn each."""
 SEEN, OWN = 3.0, 0.03
-"""Least response to a jerk of one sigma beside the others, over the noise and over the greatest."""
+"""Least independent response to a jerk of one sigma, over the noise and over the greatest."""
 
 
 @dataclass(frozen=True)

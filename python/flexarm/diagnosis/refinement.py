@@ -39,7 +39,7 @@ from flexarm.errors import InvalidParameter, NotConverged
 
 
 def linearised(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
-    """Return a fit as (1) needs it, with all derivatives of one model, and the fitter about that."""
+    """Return a fit with all derivatives of one model, as (1) needs it, and the estimator about that."""
     if estimator.members != fit.members:
         estimator = estimator.about(fit)
     elif fit.projection is estimator.eliminated(fit.members)[1]:
@@ -50,11 +50,10 @@ def linearised(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
 def gauss_newton_step(
     fit: Fit, estimator: Estimator, anew: bool = True, part: float = 1.0, limit: float = inf
 ) -> tuple[Fit, Estimator]:
-    """Return the fit after a step of (1), or a part of it, from an evaluated one, and the fitter that made
-    it.
+    """Return the fit after a step of (1), or a part of it, and its estimator.
 
-    Its derivatives by unknowns are taken `anew`, or kept where they foretell the step. A fit that would stay
-    above the limit is not finished.
+    Derivatives with respect to nuisance parameters are computed `anew`, or kept where they predict the step.
+    A fit that would stay above the limit is terminated early.
 
     Raises
     ------
@@ -69,7 +68,7 @@ def gauss_newton_step(
 
 
 def predicted_decrease(fit: Fit) -> float:
-    """By how much the objective of an evaluated fit falls in a step, to first order."""
+    """Return the predicted fall of the objective of a fit in a step, to first order."""
     dz = _least(fit)
     rest = fit.projection.project(fit.residual + fit.jacobian @ dz)
     ahead = float(rest @ rest) + float(np.sum(prior_rows(fit.parameters, fit.z + dz)[0] ** 2))
@@ -77,12 +76,12 @@ def predicted_decrease(fit: Fit) -> float:
 
 
 def objective(fit: Fit) -> float:
-    """Return what (1) makes least."""
+    """Return the objective of (1)."""
     return fit.cost + float(np.sum(prior_rows(fit.parameters, fit.z)[0] ** 2))
 
 
 def _least(fit: Fit) -> Floats:
-    """dz of (1), cut where z would leave its bounds."""
+    """Return dz of (1), cut where z would leave its bounds."""
     rows, jacobian = prior_rows(fit.parameters, fit.z)
     found = np.linalg.lstsq(
         np.vstack([fit.projection.project(fit.jacobian), np.diag(jacobian)]),
@@ -102,7 +101,7 @@ MOVES = 4
 
 
 def hooke_jeeves(fit: Fit, estimator: Estimator) -> tuple[Candidate, ...]:
-    """Return the effects of a fit where steps along cornered laws lead down to; as they are if none does."""
+    """Return the effects of a fit after Hooke-Jeeves steps along its non-smooth laws."""
     cornered = [j for j, c in enumerate(fit.parameters) if not c.smooth]
     if not cornered:
         return fit.members
@@ -140,10 +139,9 @@ TIMES = tuple(np.geomspace(0.4, 2.5, 12).tolist())
 
 
 def multi_start(fit: Fit, estimator: Estimator) -> Fit | None:
-    """Return a fit from the best of several initial_conditions in the parameter whose misfit has several
-    minima.
+    """Return a fit from the best of several starts in the parameter whose misfit has several minima.
 
-    None where the model has no such parameter, or no value is better than its own.
+    None if the model has no such parameter, or no value is better than its own.
     """
     k = next((i for i, member in enumerate(fit.members) if member.effect.multistart), None)
     if k is None:
@@ -163,7 +161,7 @@ def _with_value(members: Sequence[Candidate], k: int, key: str, value: float) ->
 
 
 def _left(members: Sequence[Candidate], estimator: Estimator) -> float:
-    """C; infinite where nothing can be simulated."""
+    """Return C; infinite where nothing can be simulated."""
     try:
         rest = estimator.eliminated(members)[1].project(estimator.residual(members))
     except (InvalidParameter, NotConverged):
@@ -172,35 +170,33 @@ def _left(members: Sequence[Candidate], estimator: Estimator) -> float:
 
 
 ROUNDS = 6
-"""Most steps of `settled`."""
+"""Most steps of `converged`."""
 IDLE, QUIET = 2, 0.4
-"""Of `polished`: idle rounds, and what is left above the noise where it ends."""
+"""Of `refined_while_better`: rounds without progress, and residual above the noise at which it ends."""
 STILL, SETTLED = 1.0, 0.1
-"""Least fall of C in a round of each, in squared sigmas: those of the noise or, above it, of what is left."""
+"""Least fall of C in a round of either refinement, in squared sigmas of the residual."""
 SHORTER = (1.0, 0.3, 0.1)
-"""Parts of a step that are tried, of which the whole would lead far down to first order, and leads up."""
+"""Parts of a step that are tried in turn (backtracking)."""
 NULL_ROUNDS = 2
 """Rounds in which the model without effects is fitted about itself."""
 
 
-def without_effects(start: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
-    """Return the nominal model about its own optimum, as fits with effects are, and where it was found.
+def fitted_null(start: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
+    """Return the model without effects about its own optimum, as fits with effects are, and its estimator.
 
-    Otherwise any effect seems better.
-
-    The search itself starts where clocks and frames are nominal, since effects may take their places.
+    The search itself starts with nominal clocks and frames, since effects may replace them.
     """
     best, there = start, estimator
     for _ in range(NULL_ROUNDS):
-        fit, at = about_itself(best, there)
+        fit, at = relinearised(best, there)
         before, (best, there) = best, (fit, at) if fit.cost < best.cost else (best, there)
         if fit.cost > BETTER * before.cost:
             break
     return best, there
 
 
-def about_itself(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
-    """Return a fit once more with derivatives of its own, and where; as it is if they cannot be taken."""
+def relinearised(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
+    """Return a fit with derivatives about itself, and its estimator; unchanged if it cannot be simulated."""
     try:
         about = estimator.about(fit)
         return about.fit(fit.members, nearby=fit), about
@@ -208,20 +204,20 @@ def about_itself(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
         return fit, estimator
 
 
-def about_or_here(fit: Fit, estimator: Estimator) -> Estimator:
-    """Return the fitter about a fit, or as it is if no derivatives can be taken there."""
+def estimator_about(fit: Fit, estimator: Estimator) -> Estimator:
+    """Return the estimator about a fit, or the same if that cannot be simulated."""
     try:
         return estimator.about(fit)
     except FIT_ERRORS:
         return estimator
 
 
-def polished(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
-    """Return a fit taken further until it leaves no less, and where it was found."""
+def refined_while_better(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
+    """Return a fit refined while its cost falls, and its estimator."""
     best, there, idle = fit, about, 0
     with suppress(*FIT_ERRORS):
         while idle < IDLE and not (_quiet(best, about) or current().spent):
-            ahead, at = further(best, there, anew=False)
+            ahead, at = refinement_step(best, there, anew=False)
             fell = objective(best) - objective(ahead)
             if fell < STILL * sigma_squared(best):
                 break
@@ -231,20 +227,18 @@ def polished(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
 
 
 def _quiet(fit: Fit, about: Estimator) -> bool:
-    """Return True if nothing is left that would be looked at, and no unknown is strained."""
+    """Return True if the residual is well below the noise, without prior-data conflict."""
     left, policy = above_noise(fit.projected, about.problem, fit.non_smooth), about.problem.policy
     return max(left.values()) < QUIET and conflict(fit, policy) < policy.conflict
 
 
-def settled(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
-    """Return a fit taken further until it rests: its values are those of the least C.
+def converged(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
+    """Return a fit refined until it converges, and its estimator.
 
-    What ends the search for names, a gap below the noise, leaves values that are off by several sigma where
-    they act alike, and rivals that are compared before they have come to rest seem apart that are not. All
-    derivatives are of one model, or what acts alike would seem known apart. Beside corners, or without
-    effects, for which no steps are taken, a fit may be so much better by its own account, in which unknowns
-    act in proportion, that it stays as it is. Elsewhere steps lead to where C is least, and what unknowns
-    would do in proportion from afar is no better than that.
+    The search ends with a gap below the noise. Values that act alike may then still be off by several sigma,
+    and unconverged alternatives seem distinguishable. All derivatives are of one model, or values that act
+    alike would seem known apart. A non-smooth model, or one without effects, stays as it is if its own
+    linearisation is clearly better.
     """
     here, at = fit, about
     with suppress(*FIT_ERRORS):
@@ -252,7 +246,7 @@ def settled(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
         for _ in range(ROUNDS if fit.members else 0):
             if not allows("all fits had come to rest"):
                 break
-            ahead, there = linearised(*further(here, at))
+            ahead, there = linearised(*refinement_step(here, at))
             fell = objective(here) - objective(ahead)
             if fell > 0:
                 here, at = ahead, there
@@ -263,17 +257,16 @@ def settled(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     return (here, at) if rests or smooth else (fit, about)
 
 
-def further(fit: Fit, about: Estimator, anew: bool = True) -> tuple[Fit, Estimator]:
-    """Return a step of Newton from a fit, or a part of it; where all lead up, as over ripples, what a
-    search finds.
+def refinement_step(fit: Fit, about: Estimator, anew: bool = True) -> tuple[Fit, Estimator]:
+    """Return a fit after a Gauss-Newton step or a part of it; if none descends, after a Hooke-Jeeves search.
 
-    Never one of which the objective is higher than that of the fit, all derivatives taken about it. Those by
-    unknowns are taken `anew` after the step, or where they did not foretell it.
+    The objective never rises. Derivatives with respect to nuisance parameters are computed `anew` after the
+    step, or where they did not predict it.
 
     Raises
     ------
     NotConverged, InvalidParameter, LinAlgError
-        If nothing can be simulated beside the fit.
+        If nothing can be simulated near the fit.
     """
     here, at = linearised(fit, about)
     far = predicted_decrease(here) > sigma_squared(here)

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 
 def is_non_smooth(arm: Arm) -> bool:
-    """Return True if a model has a law with a corner."""
+    """Return True if a model has a non-smooth law."""
     return not all(effect.smooth for effect in arm.effects)
 
 
@@ -74,9 +74,9 @@ class Rows:
     time : ndarray
         Instants of the kept rows by the drive's clock [s], or numbers of poses.
     input_noise : float
-        Mean square, over sigma^2, of what noise of the drives moves there (`noise_model`).
+        Mean square, over sigma^2, of input noise (`noise_model`).
     discretisation_error : float
-        The same of what finer time steps still move of models whose laws have corners (`noise_model`).
+        The same of the discretisation error of non-smooth models (`noise_model`).
     """
 
     record: str
@@ -90,15 +90,14 @@ class Rows:
     discretisation_error: float = 0.0
 
     def explained_square(self, non_smooth: bool) -> float:
-        """Mean square, over sigma^2, of what the right model leaves there beside noise.
-
-        `corners` tells whether its laws have some.
+        """Return the mean square, over sigma^2, of input noise, and of discretisation error of non-smooth
+        models.
         """
         return self.input_noise + (self.discretisation_error if non_smooth else 0.0)
 
 
 def evidence_rows(name: str, pair: SimulatedRecord, placement: Placement, start: int) -> Iterator[Rows]:
-    """Rows of all channels of a record, beside any simulation; the first one is `start` of the residual.
+    """Yield the rows of all channels of a record, the same for any simulation, from row `start` on.
 
     Raises
     ------

@@ -75,7 +75,7 @@ def unpredicted(diagnosis: Diagnosis) -> HeldOutGap | None:
     return None if worst is None or worst.ratio < TIMES else worst
 
 
-def adequate_if_foretold(diagnosis: Diagnosis, no_gap: Mapping[str, float], swings: bool) -> Diagnosis:
+def adequate_if_predicted(diagnosis: Diagnosis, no_gap: Mapping[str, float], swings: bool) -> Diagnosis:
     """Return the diagnosis, "unexplained" if it is "adequate" and held-out data contradict that.
 
     Parameters
@@ -83,7 +83,7 @@ def adequate_if_foretold(diagnosis: Diagnosis, no_gap: Mapping[str, float], swin
     diagnosis : Diagnosis
         With held-out records before and after.
     no_gap : dict of str to float
-        Mean square over that of the noise, by signal, of what a right model leaves beside noise.
+        Mean square over that of the noise, by signal, of input noise and discretisation error.
     swings : bool
         Whether a record of training begins in motion, so that `compare` shows swings that a fit removes.
     """
@@ -103,8 +103,8 @@ def adequate_if_foretold(diagnosis: Diagnosis, no_gap: Mapping[str, float], swin
     return replace(d, verdict="unexplained", remainder=" ".join(filter(None, (said, d.remainder))))
 
 
-def no_gap_of(problem: Problem, non_smooth: bool) -> dict[str, float]:
-    """Return the mean square over that of the noise, by signal, that drives and time steps leave at most."""
+def explained_squares(problem: Problem, non_smooth: bool) -> dict[str, float]:
+    """Return the mean square of input noise and discretisation error over that of the noise, by signal."""
     found: dict[str, float] = {}
     for each in problem.rows:
         found[each.signal] = max(found.get(each.signal, 0.0), each.explained_square(non_smooth))
@@ -129,7 +129,7 @@ STILL = 1e-3
 
 @dataclass(frozen=True)
 class Refinement:
-    """A refined value beside what was stated of it.
+    """A refined value and its stated sigma.
 
     Attributes
     ----------
@@ -298,7 +298,7 @@ class Diagnosis(BeforeAfter, SavedAsDirectory):
         return report_dict(self)
 
     def summary(self) -> str:
-        """Verdict, effects with 90 % intervals, rivals, gap, and what to measure next, as text."""
+        """Verdict, effects with 90 % intervals, alternatives, gap, and what to measure next, as text."""
         from flexarm.report.diagnosis import summary
 
         return summary(self)

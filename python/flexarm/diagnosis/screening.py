@@ -1,7 +1,7 @@
 """Screening: how much of the gap every effect at every place could explain, from finite steps.
 
-With q the residual and D the probes of a candidate (`diagnosis.candidates`), both without what
-clocks, frames and nominal values explain,
+With q the residual and D the responses to the probes of a candidate (`diagnosis.candidates`), both projected
+orthogonally to nuisance parameters,
 
     min over alpha of |q + D alpha|^2 + |alpha/10|^2,      share = 1 - min/|q|^2                       (1)
 
@@ -35,19 +35,19 @@ Ranked = tuple[float, tuple[int, ...]]
 
 RIDGE = 0.1
 LONGER = 2.0
-"""Steps of probes over those of fits: what an effect moves is a difference, of which the shape is enough."""
+"""Time steps of probes over those of fits: only differences count."""
 HARDLY = 0.02
 """Part of the greatest move below which a component of a vector is not fitted."""
 SCREENED = 0.5
-"""Part of a budget of time at which screening ends: what is screened is still to be fitted."""
+"""Part of a budget of time at which screening ends."""
 KEPT = 100
-"""Sets of which a size is worked out."""
+"""Most sets whose sizes are computed."""
 NONE: Mapping[str, str] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)
 class Probed:
-    """A candidate and what its probes do to the residual, shape (n, probes)."""
+    """A candidate and the response of the residual to its probes, shape (n, probes)."""
 
     candidate: Candidate
     moves: Floats
@@ -86,7 +86,7 @@ def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress =
             if not allows("all effects were screened"):
                 break
             try:
-                moves = in_proportion(candidate, estimator.nuisance.keys, estimator.jacobian)
+                moves = linear_response(candidate, estimator.nuisance.keys, estimator.jacobian)
                 if moves is None:
                     there = candidate.base(arm)
                     models = [there, *(there.with_effect(each) for each in candidate.probes)]
@@ -101,12 +101,12 @@ def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress =
     return probed
 
 
-def in_proportion(candidate: Candidate, keys: Sequence[str], jacobian: Floats) -> Floats | None:
-    """Return the moves of a clock, frame or reflector, from the derivatives by it as it is no effect; None
-    of all else.
+def linear_response(candidate: Candidate, keys: Sequence[str], jacobian: Floats) -> Floats | None:
+    """Return the linear response of a nuisance-type candidate from its Jacobian columns, or None for any
+    other.
 
-    A finite step of 25 ms bends, so that the clock that is 6 ms late, and eliminated exactly, would seem to
-    explain less as an effect. A reflector is a point elsewhere, and needs no simulation.
+    Clocks, frames and reflectors then explain as effects what they explain as nuisance parameters, without a
+    simulation.
     """
     own = [candidate.effect.model_key(name) for name in candidate.free]
     if not set(own) <= set(keys):
@@ -120,7 +120,9 @@ def in_proportion(candidate: Candidate, keys: Sequence[str], jacobian: Floats) -
 
 
 def _seen(probed: Probed) -> Probed:
-    """Without components of a vector that hardly move anything: across the plane of a planar arm."""
+    """Return a candidate without vector components of negligible response, as across the plane of a planar
+    arm.
+    """
     candidate, moves = probed.candidate, probed.moves
     size = np.linalg.norm(moves, axis=0)
     sized = [name for name in candidate.free if name not in candidate.effect.shape]
@@ -144,37 +146,37 @@ def screen(
     pairs: Mapping[str, str] = NONE,
     seen: Callable[[Floats], Floats] | None = None,
 ) -> list[Share]:
-    """Candidates that could explain what a fit leaves, the best first.
+    """Return candidates by the share of a fit's residual that they explain, the best first.
 
     Parameters
     ----------
     estimator : Estimator
-        Records and unknowns.
+        Records, and nuisance parameters with derivatives.
     probed : sequence of Probed
-        What the probes do.
+        Candidates with the responses to their probes.
     fit : Fit
-        Its effects may change along, to first order.
+        Model whose residual is explained; its own parameters are refitted to first order.
     pairs : dict of str to str
         Joints that are one place, `candidates.cardan_joints`: a law at both is tried as one candidate.
     seen : callable, optional
-        What is looked at of residuals, a linear function of their columns, such as `proposals.slow_part`.
+        Linear filter of residual columns, such as `proposals.slow_part`.
     """
     linear = Linear(estimator, probed, fit, seen)
-    sets = [(k,) for k in linear.free] + list(linear.companions(pairs))
+    sets = [(k,) for k in linear.free] + list(linear.at_both_axes(pairs))
     return linear.shares(linear.ranked(sets))
 
 
-def together(
+def screen_sets(
     estimator: Estimator,
     probed: Sequence[Probed],
     fit: Fit,
     size: int,
     seen: Callable[[Floats], Floats] | None = None,
 ) -> list[Share]:
-    """Return sets of two or three candidates that explain most together, of what is `seen`, the best first.
+    """Return sets of two or three candidates that explain most of the `seen` residual, the best first.
 
-    All pairs are looked at; of triples those among the `among` places of the policy that explain most alone,
-    and half as many that do so in a pair: what explains nothing by itself may be needed beside another.
+    All pairs are screened. Triples are those of the `among` places of the policy that explain most alone, and
+    of half as many that explain most in a pair.
     """
     linear = Linear(estimator, probed, fit, seen)
     two = linear.ranked(linear.sets(linear.free, 2))
@@ -190,10 +192,11 @@ def together(
     return linear.shares(linear.ranked(linear.sets(list(few.values()), size)), KEPT)
 
 
-def sharpened(estimator: Estimator, shares: Sequence[Share], fit: Fit) -> list[Share]:
-    """Shares taken anew with each set at the size found, since laws bend between a probe and that size.
+def rescreened_at_size(estimator: Estimator, shares: Sequence[Share], fit: Fit) -> list[Share]:
+    """Return shares from simulations of each set at its size, since laws are nonlinear between probe and
+    size.
 
-    What a set moves is a difference, simulated in longer steps as probes are.
+    Responses are differences, simulated in longer time steps as probes are.
     """
     coarse = replace(estimator, problem=estimator.problem.with_step(LONGER * estimator.problem.step))
     models = []
@@ -206,7 +209,7 @@ def sharpened(estimator: Estimator, shares: Sequence[Share], fit: Fit) -> list[S
         return []
     try:
         before = coarse.residual(fit.members)
-    except FIT_ERRORS:  # laws with corners may not follow longer steps
+    except FIT_ERRORS:  # non-smooth laws may not follow longer steps
         coarse, before = estimator, estimator.residual(fit.members)
     found = []
     for share, members, _ in models:
@@ -226,12 +229,12 @@ def sharpened(estimator: Estimator, shares: Sequence[Share], fit: Fit) -> list[S
 class Linear:
     """Eq. (1) for any set of candidates about a fit, from one Gram matrix of all moves.
 
-    With D the moves of all candidates and the derivatives of the fit by its own effects, less what unknowns
-    explain, G = D^T D and b = D^T q hold everything: a set takes its rows and columns,
+    With D the moves of all candidates and the derivatives of the fit by its own effects, less what nuisance
+    parameters explain, G = D^T D and b = D^T q hold everything: a set takes its rows and columns,
 
         alpha = -(G + ridge)^-1 b,   |q + D alpha|^2 = |q|^2 + 2 alpha b + alpha G alpha               (2)
 
-    Sets that take different unknowns into their effects have matrices of their own.
+    Sets that take different nuisance parameters into their effects have matrices of their own.
     """
 
     def __init__(
@@ -257,8 +260,8 @@ class Linear:
             if len({self.probed[k].candidate.place for k in found}) == size:
                 yield found
 
-    def companions(self, pairs: Mapping[str, str]) -> Iterator[tuple[int, ...]]:
-        """Return the same variant of a law at both axes of a place."""
+    def at_both_axes(self, pairs: Mapping[str, str]) -> Iterator[tuple[int, ...]]:
+        """Yield the same variant of a law at both axes of a cardan joint."""
         for i in self.free:
             one = self.probed[i].candidate
             for j in self.free:
@@ -269,10 +272,9 @@ class Linear:
                     yield i, j
 
     def ranked(self, sets: Iterable[tuple[int, ...]]) -> list[Ranked]:
-        """Share and members of those that explain something without a negative law, the best first.
+        """Return share and members of sets with admissible signs, the best first.
 
-        A law on a spring that neither the model nor the fit has is looked at beside that spring only, which
-        would else be of a size that nobody fitted.
+        A law that requires a spring which model and fit lack is screened only together with that spring.
         """
         found = [(self._solved(each)[0], each) for each in sets if self._stands(each)]
         return sorted((pair for pair in found if pair[0] > 0), key=lambda pair: -pair[0])
@@ -280,7 +282,7 @@ class Linear:
     def _stands(self, chosen: tuple[int, ...]) -> bool:
         members = [self.probed[k].candidate for k in chosen]
         there = {None, *self.fit.spots, *(member.place for member in members)}
-        return all(member.stands_on in there for member in members)
+        return all(member.required_place in there for member in members)
 
     def shares(self, ranked: Sequence[Ranked], most: int | None = None) -> list[Share]:
         """Return the first of them at the sizes of eq. (2)."""
@@ -314,14 +316,14 @@ class Linear:
 
     @cached_property
     def _before(self) -> float:
-        """Square of what the fit leaves of what is looked at."""
+        """Return the squared residual of the fit, filtered by `seen`."""
         if self.seen is None:
             return self.fit.cost
         rest = self._rest(self._fitted, self.fit.residual[:, None])[:, 0]
         return float(rest @ rest)
 
     def _rest(self, taken: frozenset[str], columns: Floats) -> Floats:
-        """Columns without what unknowns explain, of what is looked at."""
+        """Return filtered columns, projected orthogonally to nuisance parameters."""
         nuisance, projection = self.estimator.without(taken)
         if self.seen is None:
             return projection.project(columns)
@@ -336,5 +338,5 @@ class Linear:
 
 
 def possible(candidate: Candidate, alphas: Floats) -> bool:
-    """Return True if a law has the sign that it can have."""
+    """Return True if the size of a law has an admissible sign."""
     return not candidate.effect.one_signed or candidate.without is not None or bool(alphas.max() > 0)

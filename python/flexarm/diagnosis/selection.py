@@ -26,8 +26,8 @@ import numpy as np
 from flexarm.budget import allows, current, until
 from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
-from flexarm.diagnosis.candidate import Candidate, carries
-from flexarm.diagnosis.candidates import cardan_joints, causes, driven_joints
+from flexarm.diagnosis.candidate import Candidate, is_required
+from flexarm.diagnosis.candidates import cardan_joints, driven_joints, effect_count
 from flexarm.diagnosis.estimator import BETTER, Estimator
 from flexarm.diagnosis.evidence import explained_share, log_bayes_factor, log_odds_lost, press_rms
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
@@ -35,17 +35,21 @@ from flexarm.diagnosis.moves.families import without_idle_places
 from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES
 from flexarm.diagnosis.moves.search_state import Move, SearchState
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
-from flexarm.diagnosis.refinement import about_itself, about_or_here, polished, settled, without_effects
+from flexarm.diagnosis.refinement import (
+    converged,
+    estimator_about,
+    fitted_null,
+    refined_while_better,
+    relinearised,
+)
 from flexarm.diagnosis.screening import Probed
 
 STEPS = 3
-"""Most times that a fit in conflict with priors is taken anew."""
+"""Most times that a fit in conflict with priors is relinearised."""
 
 
 def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Criteria) -> tuple[Fit, Estimator]:
-    """Return the best fit, polished, with derivatives taken anew about those that come close or foretell
-    best.
-    """
+    """Return the best fit, refined, after the closest fits or the best predictors were relinearised."""
     problem = criteria.problem
     first, *others = _ranked(fits, old, criteria)
     if criteria.leaves_gap(first):
@@ -54,15 +58,15 @@ def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Crite
         close = sorted(near, key=lambda f: press_rms(f, problem))[:2]
     else:
         close = [f for f in others[:2] if _close(f, first, criteria)]
-    there = dict(about_itself(fit, estimator) for fit in (first, *close))
+    there = dict(relinearised(fit, estimator) for fit in (first, *close))
     if not criteria.leaves_gap(first):
         there |= dict(_in_steps(fit, estimator) for fit in _unsettled(others, first, criteria))
     best = _ranked(list(there), old, criteria)[0]
-    return polished(best, there[best])
+    return refined_while_better(best, there[best])
 
 
 def _ranked(fits: Sequence[Fit], old: Fit, criteria: Criteria) -> list[Fit]:
-    """Return the best first, of those worth a name if there are any."""
+    """Return the best first, of those that reduce the gap enough if there are any."""
     problem, reach = criteria.problem, criteria.policy.reach
     fits = [f for f in fits if criteria.reduces(f, old) or not criteria.leaves_gap(f)] or fits
 
@@ -80,9 +84,9 @@ def _ranked(fits: Sequence[Fit], old: Fit, criteria: Criteria) -> list[Fit]:
 
 
 def _unsettled(others: Sequence[Fit], first: Fit, criteria: Criteria) -> list[Fit]:
-    """Fits that do half of what the first one does and strain values: derivatives about those are others.
+    """Return fits in prior-data conflict that explain half of what the first one does.
 
-    A load's inertia left a third more than an eccentricity where its mass was thought to be 40 sigmas off.
+    Their derivatives change most when they are relinearised.
     """
     half = (criteria.null.cost + first.cost) / 2
     found = [f for f in others if f.cost < half and criteria.in_conflict(f)]
@@ -90,22 +94,22 @@ def _unsettled(others: Sequence[Fit], first: Fit, criteria: Criteria) -> list[Fi
 
 
 def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
-    """Return a fit about itself, and about what that finds while it leaves clearly less."""
+    """Return a fit relinearised about itself while its cost falls clearly."""
     for _ in range(STEPS):
-        before, (fit, estimator) = fit, about_itself(fit, estimator)
+        before, (fit, estimator) = fit, relinearised(fit, estimator)
         if fit.cost > BETTER * before.cost:
             break
     return fit, estimator
 
 
 def _close(fit: Fit, first: Fit, criteria: Criteria) -> bool:
-    """Return True if a fit may be as good as the first with derivatives of its own."""
+    """Return True if a fit may be as good as the first once it is relinearised."""
     return log_bayes_factor(first, fit, criteria.problem) < criteria.policy.close
 
 
 Note = Callable[[str, float], object]
 SEARCHED, WEIGHED = 0.75, 0.9
-"""Parts of a budget of time at which the search for effects, and the weighing of their alternatives, end."""
+"""Parts of a budget of time at which the search for effects, and the fits of their alternatives, end."""
 
 
 @dataclass(eq=False)
@@ -115,13 +119,13 @@ class Choice:
     Attributes
     ----------
     null, best : Fit
-        The nominal model and the chosen one; both with unknowns fitted.
+        The model without effects and the chosen one; both with nuisance parameters fitted.
     estimator : Estimator
         About the chosen model.
     rivals : list of (list of Rival)
         For each effect of `best`, the best first.
     needed : list of float
-        ln Z of the chosen model over itself without each of its effects.
+        ln B of the chosen model over itself without each of its effects.
     shares : list of float
         Part of the gap where each effect acts that it explains (`evidence.explained_share`).
     tried : list of (Fit, float)
@@ -147,7 +151,7 @@ def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = N
     """Select effects: forward and backward, refine, swap."""
     tell = note or (lambda what, done: None)
     problem, start = estimator.problem, estimator.fit(())
-    null, about_null = without_effects(start, estimator)
+    null, about_null = fitted_null(start, estimator)
     places = cardan_joints(problem.arm, driven_joints(problem.arm, problem.records.values()))
     state = SearchState(probed, start, null, about_null, Criteria(problem, null), places)
     with until(SEARCHED):
@@ -155,7 +159,7 @@ def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = N
     most = problem.policy.most_effects
     tell("weighing rivals", most / (most + 1))
     with until(WEIGHED):
-        choice = swap(state, *settled(best, about))
+        choice = swap(state, *converged(best, about))
     gains = [(f, log_bayes_factor(f, null, problem)) for f in state.tried]
     return replace(choice, tried=gains)
 
@@ -175,7 +179,7 @@ def forward_and_backward(state: SearchState, about: Estimator, tell: Note) -> tu
 def forward(state: SearchState, best: Fit, about: Estimator, tell: Note) -> tuple[Fit, Estimator]:
     """Return the largest model of which each effect is accepted, and the estimator about it."""
     while not state.criteria.explains(best):
-        count = causes(best.members, state.places)
+        count = effect_count(best.members, state.places)
         if count >= most_effects(state, best) or not allows(f"effect {count + 1} was looked for"):
             break
         tell(f"looking for effect {count + 1}", count / (state.criteria.policy.most_effects + 1))
@@ -189,7 +193,7 @@ def forward(state: SearchState, best: Fit, about: Estimator, tell: Note) -> tupl
 
 
 def reshaped(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Estimator]:
-    """Return a model whose laws have another shape where the data ask for that, before more effects."""
+    """Return a model with freer shapes of its laws, if these are accepted, before more effects."""
     criteria = state.criteria
     while not criteria.explains(best):
         found = proposed(state, SHAPES, best, about)
@@ -201,8 +205,8 @@ def reshaped(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Esti
 
 
 def most_effects(state: SearchState, fit: Fit) -> int:
-    """Return the most effects to look for: no third if two leave most, no second if one hardly helps."""
-    count, most = causes(fit.members, state.places), state.criteria.policy.most_effects
+    """Return the most effects to look for: two if they leave most of the gap, one if it explains little."""
+    count, most = effect_count(fit.members, state.places), state.criteria.policy.most_effects
     if count == 1 and state.criteria.hardly_helps(fit):
         return 1
     return min(2, most) if count == 2 and state.criteria.leaves_most(fit) else most
@@ -235,10 +239,9 @@ def enlarged(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Esti
 
 
 def accepted(criteria: Criteria, new: Fit, old: Fit) -> bool:
-    """Return True if a model is accepted in the place of another one; when the time is over, of more
-    evidence.
+    """Return True if a model is accepted in the place of another one.
 
-    Fits that the end of the time left unfinished are no ground for any other reason.
+    When the time is over fits are unfinished, and only more evidence counts.
     """
     if not criteria.accepts(new, old):
         return False
@@ -280,20 +283,20 @@ def backward(criteria: Criteria, best: Fit, estimator: Estimator) -> tuple[Fit, 
     k = 0
     while len(best.members) > 1 and k < len(best.members):
         rest = tuple(m for i, m in enumerate(best.members) if i != k)
-        fewer = None if carries(rest, best.members[k]) else _fitted(estimator, rest, best)
+        fewer = None if is_required(rest, best.members[k]) else _fitted(estimator, rest, best)
         if fewer is None or criteria.accepts(best, fewer):
             k += 1
         elif not criteria.policy.allows("backward"):
             break
         else:
-            best, estimator, k = fewer, about_or_here(fewer, estimator), 0
+            best, estimator, k = fewer, estimator_about(fewer, estimator), 0
     return best, estimator
 
 
 def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
-    """Return a model with its alternatives, after those that are ahead took the places of its effects.
+    """Return a model with its alternatives, after those that are ahead have replaced its effects.
 
-    None does so twice: of two that are equal each may be ahead of the other by a little.
+    No model is chosen twice: of two that are equal each may be ahead by a little.
     """
     choice, chosen, policy = with_alternatives(state, best, about), [], state.criteria.policy
     for _ in range(policy.most_effects):
@@ -304,8 +307,8 @@ def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
         if set(ahead.fit.places) in chosen:
             break
         state.tried.append(choice.best)  # which is the other's alternative now
-        fewer = backward(state.criteria, ahead.fit, about_or_here(ahead.fit, choice.estimator))
-        choice = with_alternatives(state, *settled(*fewer))
+        fewer = backward(state.criteria, ahead.fit, estimator_about(ahead.fit, choice.estimator))
+        choice = with_alternatives(state, *converged(*fewer))
     return choice
 
 
@@ -316,7 +319,7 @@ def with_alternatives(state: SearchState, best: Fit, about: Estimator) -> Choice
     for k, member in enumerate(best.members):
         rivals.append(rivals_of(k, best, criteria, about, state.candidates(best, about), state.tried))
         others = tuple(m for i, m in enumerate(best.members) if i != k)
-        alone = not others or carries(others, member)
+        alone = not others or is_required(others, member)
         fewer = None if alone else without(others, about, state.tried)
         needed.append(log_bayes_factor(best, fewer or state.null, criteria.problem))
         shares.append(explained_share(best, fewer or state.null, criteria.problem))

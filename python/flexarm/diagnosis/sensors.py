@@ -34,7 +34,7 @@ from flexarm.arm.parameter import with_value
 from flexarm.arm.uncertainty import with_unit
 from flexarm.arrays import Floats
 from flexarm.comparison.poses import is_input
-from flexarm.diagnosis.noise_model import DRAWS, SAID, smoothed
+from flexarm.diagnosis.noise_model import DRAWS, REPORTED, smoothed
 from flexarm.diagnosis.problem import Problem
 from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
@@ -51,14 +51,14 @@ if TYPE_CHECKING:
 
 
 COARSE = 5.0
-"""Steps over the stated noise from which a record does not tell of them."""
+"""Steps over the stated noise that the noise does not cover."""
 ROUGHLY = 2.0
-"""How well the error of one motion tells that of another."""
+"""Factor of the error, as one motion hardly predicts that of another."""
 
 
 @dataclass(frozen=True)
 class CoarseEncoder:
-    """An encoder, its step and what that does.
+    """A coarse encoder, its step and the error that it causes.
 
     Attributes
     ----------
@@ -67,9 +67,9 @@ class CoarseEncoder:
     over_noise : float
         The step over the stated noise of the encoder.
     moves : str
-        The signal that it disturbs most.
+        The signal with the largest error.
     error : float
-        There, rms over the noise.
+        That error, rms over the noise.
     """
 
     effect: EncoderQuantisation
@@ -78,7 +78,7 @@ class CoarseEncoder:
     error: float
 
     def named(self, probability: float) -> NamedEffect:
-        """As a diagnosis says it: steps are seen in the readings themselves."""
+        """Return the encoder as a named effect: its step is seen in the readings."""
         step = self.effect.step
         exact = Estimate("step", step, 1e-4 * step, (1 - 2e-4) * step, (1 + 2e-4) * step, "rad")
         evidence = (
@@ -90,7 +90,7 @@ class CoarseEncoder:
 
 
 def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQuantisation, ...]:
-    """Of joint angles that drive, where neither the records nor the model state the steps."""
+    """Return coarse encoders of drives whose steps neither the records nor the model state."""
     steps: dict[str, list[float]] = {}
     for record in records.values():
         for name in record.drive if record.kind == "motion" else ():
@@ -116,7 +116,7 @@ def with_coarse_encoders(problem: Problem, seed: int) -> tuple[Problem, tuple[Co
         there = arm.with_effect(effect)
         error = np.max([_error(problem, there, effect, rng) for _ in range(DRAWS)], axis=0)
         most = int(np.argmax(error))
-        if error[most] > SAID:
+        if error[most] > REPORTED:
             variance += (ROUGHLY * error) ** 2
             arm = there
             driven = [r for r in problem.records.values() if _moves_by(r, effect.at)]
@@ -131,7 +131,7 @@ def with_coarse_encoders(problem: Problem, seed: int) -> tuple[Problem, tuple[Co
 
 
 def _error(problem: Problem, arm: Arm, effect: EncoderQuantisation, rng: np.random.Generator) -> Floats:
-    """Return what (1) does to each of `rows`, rms over its noise."""
+    """Return the rms error (1) of each of `rows`, over its noise."""
     again = {
         name: _rounded_again(record, arm, effect, rng) if _moves_by(record, effect.at) else record
         for name, record in problem.records.items()

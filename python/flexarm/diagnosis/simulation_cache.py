@@ -1,4 +1,4 @@
-"""Simulations of a model beside records, remembered: one that differs by its sensors alone costs none."""
+"""Cached simulations of records; models that differ only in sensors share one."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class SimulationCache:
         return found
 
     def run(self, name: str, arm: Arm) -> SimulatedRecord:
-        """Return a run of the model, beside the record that it repeats."""
+        """Return the simulation of a record by a model."""
         return self._run_of(name, self.records[name].applied_to(arm))
 
     def tilted(self, tilt: UncertainTilt, arm: Arm, turn: float) -> SimulatedRecord:
@@ -91,7 +91,7 @@ class SimulationCache:
         return pair_record(self._along(self.drive(name, arm), name, arm), record, arm=arm)
 
     def jerked(self, start: InitialCondition, arm: Arm, height: float) -> SimulatedRecord:
-        """Return a run beside its record that a jerk of a drive comes before."""
+        """Return the simulation of a record after a jerk of a drive."""
         record = self.records[start.record]
         carried = record.applied_to(arm)
         drive = self.drive(start.record, carried)
@@ -101,7 +101,7 @@ class SimulationCache:
         return pair_record(run, record, arm=carried)
 
     def driven(self, name: str, arm: Arm, joints: Mapping[str, JointDrive]) -> SimulatedRecord:
-        """Return a run beside its record along other drives of some joints; it is not remembered."""
+        """Return the simulation of a record along other drives of some joints; it is not cached."""
         record = self.records[name]
         carried = record.applied_to(arm)
         drive = self.drive(name, carried)
@@ -110,13 +110,13 @@ class SimulationCache:
         return pair_record(run, record, arm=carried)
 
     def turned(self, name: str, arm: Arm, joint: str, angles: Floats) -> SimulatedRecord:
-        """Return poses beside their record with a joint's motor turned further in each, by `angles` [rad]."""
+        """Return poses of a record with a joint's motor turned further in each, by `angles` [rad]."""
         record = self.records[name]
         self.made += 1
         return _of_poses(record, with_turned(record, joint, angles), record.applied_to(arm))
 
     def differentiated(self, name: str, arm: Arm, changes: Sequence[Drive]) -> SimulatedRecord:
-        """Return a run beside its record with its derivatives by changes of its drives.
+        """Return the simulation of a record with its derivatives with respect to changes of its drives.
 
         Forces are those of the time stepping: changes are smooth.
         """
@@ -161,7 +161,7 @@ class SimulationCache:
 
 
 def _of_poses(record: Record, there: Record, arm: Arm) -> SimulatedRecord:
-    """Return the equilibria of the poses of a record beside what another one of the same rows measured."""
+    """Return the equilibria of poses `there`, paired with a record of the same rows."""
     inputs = {name: "is an input of the poses" for name, s in record.signals.items() if is_input(record, s)}
     return pair_record(solve_poses(arm, there), record, pose_numbers(record), inputs, arm)
 

@@ -1,6 +1,6 @@
 r"""Uncertainty and identifiability of fitted values.
 
-A fit of parameters p, those of effects and nuisance parameters together, weighs rows by the stated noise.
+A fit of parameters p, those of effects and nuisance parameters together, weights rows by the stated noise.
 What it leaves has the covariance C of noise and discrepancy (`diagnosis.discrepancy`), so that p errs by
 
 .. math:: V = H^{-1} (J^T C J + \Lambda) H^{-1}, \quad H = J^T J + \Lambda                              (1)

@@ -100,12 +100,12 @@ def _closes(best: Fit, null: Fit, problem: Problem) -> bool:
 
 
 Gaps = Mapping[str, Comparison]
-"""A model beside each record."""
+"""Comparison by record."""
 
 
 def main_signal(records: Mapping[str, Record], before: Gaps) -> str:
-    """Return the signal of the report's gap: of positions the one that moves most, else the one that misses
-    most.
+    """Return the signal of the report's gap: the position that moves most, else the signal with the largest
+    gap.
     """
     travel: dict[str, float] = {}
     misses: dict[str, float] = {}
@@ -121,7 +121,7 @@ def main_signal(records: Mapping[str, Record], before: Gaps) -> str:
 
 
 def stages(
-    beside: Callable[[Arm], Gaps],
+    gaps_of: Callable[[Arm], Gaps],
     arm: Arm,
     updated: Arm,
     encoders: Iterable[Effect],
@@ -130,12 +130,12 @@ def stages(
     before: Gaps,
     after: Gaps,
 ) -> tuple[Stage, ...]:
-    """Rms gap of the main signal by record, of each model on the way.
+    """Return the rms gap of the main signal by record, for the models from nominal to updated.
 
     Parameters
     ----------
     beside : callable
-        A model beside all records.
+        Gaps of a model in all records.
     arm, updated : Arm
         The nominal and the repaired model.
     encoders : iterable of Effect
@@ -151,11 +151,11 @@ def stages(
     model = arm
     for effect in encoders:
         model = model.with_effect(effect)
-        found.append(Stage(f"{effect.name} at {effect.at}", _rms(beside(model), main)))
+        found.append(Stage(f"{effect.name} at {effect.at}", _rms(gaps_of(model), main)))
     if updated.effects != model.effects:
         for member in springs_first(members):
             model = with_members(model, [member])
-            found.append(Stage(f"{member.name} at {place_text(member.at)}", _rms(beside(model), main)))
+            found.append(Stage(f"{member.name} at {place_text(member.at)}", _rms(gaps_of(model), main)))
     if updated != arm:
         found.append(Stage("nominal values refined", _rms(after, main)))
     return tuple(found)
@@ -169,7 +169,7 @@ def _rms(found: Gaps, signal: str) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Bench:
-    """Records to try models on.
+    """Records that models are compared with.
 
     Attributes
     ----------
@@ -196,7 +196,7 @@ class Bench:
         return compared(self.aligned(model), before)
 
     def aligned(self, model: Arm) -> dict[str, AlignedRecord]:
-        """Return a model beside each record, sample by sample."""
+        """Return the aligned simulation of each record by a model."""
         return self._aligned(model, {**self.training, **self.held_out})
 
     def _aligned(self, model: Arm, records: Mapping[str, Record]) -> dict[str, AlignedRecord]:
@@ -210,8 +210,8 @@ def compared(pairs: Mapping[str, AlignedRecord], before: Gaps | None = None) -> 
 
 
 @dataclass(frozen=True, eq=False)
-class Verified:
-    """A repair beside all records.
+class Verification:
+    """Comparison of nominal and updated model with all records.
 
     Attributes
     ----------
@@ -246,8 +246,8 @@ def verified(
     encoders: Sequence[Effect],
     members: Sequence[Candidate],
     open_gap: bool,
-) -> Verified:
-    """Return the nominal and the repaired model beside all records.
+) -> Verification:
+    """Return the comparison of nominal and updated model with all records.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ def verified(
     main = main_signal(bench.training, before)
     pairs, pairs_after = ({name: found[name] for name in bench.training} for found in (runs, runs_after))
     located_after = _located(pairs_after)
-    return Verified(
+    return Verification(
         before,
         after,
         main,
@@ -289,7 +289,7 @@ def _located(pairs: Mapping[str, AlignedRecord]) -> Localisation | None:
 
 
 def _remainder(before: Mapping[str, AlignedRecord], after: Localisation | None) -> str:
-    """Return what is seen of a gap that stays open, in what is left and in how the machine rings down."""
+    """Return a description of an unexplained gap: the residual, and the free decay of the machine."""
     left = unexplained_residual(after) if after else None
     swings = describe_free_decays(free_decays(before))
     return " ".join(said for said in (str(left or ""), swings) if said)

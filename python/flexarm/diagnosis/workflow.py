@@ -18,19 +18,19 @@ from flexarm.arm.spring_effect import SpringEffect
 from flexarm.budget import allows, current, ended_early, limited
 from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.candidates import candidates, rhythms
+from flexarm.diagnosis.candidates import candidates, dominant_frequencies
 from flexarm.diagnosis.design.next_experiment import NextExperiment, next_experiment
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.fit_statistics import constancy, fit_statistics
-from flexarm.diagnosis.hold_out import hidden_strays, left_out, named_hold_out, split, strays_told
+from flexarm.diagnosis.hold_out import left_out, masked_outliers, named_hold_out, outlier_remarks, split
 from flexarm.diagnosis.naming import (
-    initial_transients,
     named_effects,
+    noise_remarks,
+    payload_remarks,
     rejected,
-    unfitted,
-    unweighed,
-    weighed_loads,
+    transient_remarks,
+    unfitted_remarks,
 )
 from flexarm.diagnosis.noise_model import (
     allow_for_input_noise,
@@ -46,7 +46,7 @@ from flexarm.diagnosis.noise_model import (
 from flexarm.diagnosis.nuisance import counted_from_stamps, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.result import Diagnosis, Verdict, adequate_if_foretold, no_gap_of
+from flexarm.diagnosis.result import Diagnosis, Verdict, adequate_if_predicted, explained_squares
 from flexarm.diagnosis.screening import probe
 from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.sensors import (
@@ -195,9 +195,9 @@ def _diagnosis(
     input_noise = input_noise_by_signal(problem)
     problem, coarse = with_coarse_encoders(weighted_by_input_noise(problem), seed)
     choice = _chosen(problem, tell)
-    out = hidden_strays(choice.best, Criteria(problem, choice.null))
+    out = masked_outliers(choice.best, Criteria(problem, choice.null))
     if out.any():
-        remarks = (*remarks, *strays_told(out, problem))
+        remarks = (*remarks, *outlier_remarks(out, problem))
         parted = replace(parted, training=left_out(parted.training, out, problem))
         problem = problem.without(out)
         choice = _chosen(problem, lambda done, what: tell(0.8, f"again: {what}"))
@@ -208,7 +208,7 @@ def _diagnosis(
     if allows("the next experiment was sought"):
         further = next_experiment(choice, problem, found.verdict == "unexplained")
     if out.any():
-        parted = parted.without_strays(found.repaired, problem)
+        parted = parted.without_outliers(found.repaired, problem)
     bench = Bench(parted.training, parted.held_out, step, alpha, problem.jobs)
     updated, refined = found.repaired, tuple(filter(moved, found.sizes.refined))
     if not found.kept:
@@ -250,12 +250,12 @@ def _diagnosis(
             *remarks,
             *borrowed,
             *parted.remarks,
-            *unfitted(problem, checked.compared),
-            *unweighed(problem),
-            *weighed_loads(problem),
+            *unfitted_remarks(problem, checked.compared),
+            *noise_remarks(problem),
+            *payload_remarks(problem),
             *input_noise_remarks(input_noise | input_noise_by_signal(problem), problem),
             *(discretisation_remarks(problem) if choice.best.non_smooth else ()),
-            *initial_transients(choice.best, problem),
+            *transient_remarks(choice.best, problem),
             *seen.remarks,
             *law_remarks(missing, choice.best),
             *current().remarks,
@@ -267,8 +267,8 @@ def _diagnosis(
         located_after=seen.located_after,
         laws=missing.curves,
     )
-    no_gap = no_gap_of(problem, choice.best.non_smooth)
-    return adequate_if_foretold(told, no_gap, bool(problem.initial_conditions))
+    no_gap = explained_squares(problem, choice.best.non_smooth)
+    return adequate_if_predicted(told, no_gap, bool(problem.initial_conditions))
 
 
 @dataclass(frozen=True)
@@ -340,7 +340,7 @@ def _unusable(
 def _chosen(problem: Problem, tell: Callable[[float, str], object]) -> Choice:
     """Screens all effects at all places, fits what promises most, and chooses."""
     estimator = Estimator.nominal(problem, nuisance_model(problem)).centred()
-    rhythm = rhythms(estimator.fit(()).projected, problem)
+    rhythm = dominant_frequencies(estimator.fit(()).projected, problem)
     probed = probe(
         estimator,
         candidates(problem, estimator.nuisance.arm, rhythm, SpringEffect.softer),

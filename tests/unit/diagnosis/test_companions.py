@@ -6,7 +6,7 @@ import pytest
 from tests.helpers.arms import hinge, point
 
 from flexarm import Arm
-from flexarm.diagnosis.candidates import cardan_joints, causes
+from flexarm.diagnosis.candidates import cardan_joints, effect_count
 
 
 def guide(mass: float = 0.0, shift: float = 0.0) -> Arm:
@@ -49,5 +49,5 @@ def test_both_axes_of_a_place_count_once():
         )
         for at in ("roll", "pitch", "elbow")
     ]
-    assert causes(soft, {"roll": "pitch"}) == 2
-    assert causes(soft[1:], {"roll": "pitch"}) == 2
+    assert effect_count(soft, {"roll": "pitch"}) == 2
+    assert effect_count(soft[1:], {"roll": "pitch"}) == 2

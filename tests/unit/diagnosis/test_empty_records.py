@@ -9,7 +9,7 @@ import flexarm
 from flexarm import Record, Signal
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.naming import initial_transients
+from flexarm.diagnosis.naming import transient_remarks
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.errors import InvalidParameter
@@ -99,7 +99,7 @@ def test_a_record_of_which_no_row_is_evidence_swings_with_nothing():
     problem = Problem(crane(), {"one": poses(8), "other": poses(6, seed=1)})
     problem.rows = tuple(rows for rows in problem.rows if rows.record == "one")
     fit = Estimator.nominal(problem, nuisance_model(problem)).fit(())
-    assert list(initial_transients(fit, problem)) == []
+    assert list(transient_remarks(fit, problem)) == []
 
 
 def test_a_signal_that_no_model_predicts_is_told_once_by_a_diagnosis_and_its_report():

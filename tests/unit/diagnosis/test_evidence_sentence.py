@@ -8,7 +8,7 @@ import pytest
 from flexarm.diagnosis import naming
 from flexarm.diagnosis import naming as evidence_sentence
 from flexarm.diagnosis.fit import Projection
-from flexarm.diagnosis.naming import _behind, _strained
+from flexarm.diagnosis.naming import _behind, _conflict_clause
 from flexarm.diagnosis.nuisance import NuisanceParameter
 from flexarm.diagnosis.policy import SelectionPolicy
 
@@ -31,7 +31,7 @@ def null_of(delay: float, modulus: float = 0.0):
 
 
 def test_a_clock_that_would_be_far_beyond_its_sigma_is_said():
-    said = list(_strained(null_of(7.0), 3.0))
+    said = list(_conflict_clause(null_of(7.0), 3.0))
     assert said == ["the delay of clock tracker would be off by 7.0 times its stated sigma"]
 
 
@@ -47,7 +47,7 @@ def test_unknowns_have_words_of_their_own():
 
 
 def test_a_clock_within_its_sigma_is_not_worth_a_word():
-    assert not list(_strained(null_of(1.5), 3.0))
+    assert not list(_conflict_clause(null_of(1.5), 3.0))
 
 
 @pytest.fixture

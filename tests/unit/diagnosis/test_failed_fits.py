@@ -88,7 +88,9 @@ class Made:
 
     @property
     def members(self):
-        return tuple(SimpleNamespace(place=place, spots={place}, stands_on=None) for place in self.places)
+        return tuple(
+            SimpleNamespace(place=place, spots={place}, required_place=None) for place in self.places
+        )
 
 
 def test_values_stay_where_they_are_stated_if_no_other_model_can_be_simulated():
@@ -103,7 +105,7 @@ def test_values_stay_where_they_are_stated_if_no_other_model_can_be_simulated():
 
 def test_the_model_without_effects_stays_where_no_derivatives_can_be_taken():
     start, estimator = Made(""), SimpleNamespace(about=raises)
-    assert polish.without_effects(start, estimator) == (start, estimator)
+    assert polish.fitted_null(start, estimator) == (start, estimator)
 
 
 @pytest.mark.parametrize("failing", ["a", "b"])
@@ -113,7 +115,7 @@ def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monk
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
     monkeypatch.setattr(selection, "_close", lambda *_: True)
     monkeypatch.setattr(selection, "_unsettled", lambda *_: [])
-    monkeypatch.setattr(selection, "polished", lambda fit, about: (fit, about))
+    monkeypatch.setattr(selection, "refined_while_better", lambda fit, about: (fit, about))
 
     def again(_, nearby):
         return Made(nearby.name, nearby.cost / 10)
@@ -137,7 +139,9 @@ def test_a_needless_effect_is_dropped_though_no_derivatives_can_be_taken_without
 
 def test_where_no_small_steps_can_be_taken_clocks_and_frames_take_over_all_the_same(monkeypatch):
     """They need no simulation; what else could take over is asked of the fit in longer steps."""
-    monkeypatch.setattr(takeover, "in_proportion", lambda candidate, *_: None if candidate.at == "rod" else 1)
+    monkeypatch.setattr(
+        takeover, "linear_response", lambda candidate, *_: None if candidate.at == "rod" else 1
+    )
     monkeypatch.setattr(takeover, "_unlike", lambda *_: False)
     probed = [
         SimpleNamespace(candidate=SimpleNamespace(place=at, at=at, spots={at})) for at in ("rod", "tracker")
@@ -174,5 +178,5 @@ def test_what_cannot_follow_longer_steps_is_looked_at_in_those_of_fits(monkeypat
         screen, "replace", lambda one, **new: coarse if "problem" in new else dataclasses.replace(one, **new)
     )
     fit = SimpleNamespace(members=(), residual=np.array([0.0, 1.0]), cost=1.0)
-    [found] = screen.sharpened(estimator, [screen.Share(("bow",), 0.5)], fit)
+    [found] = screen.rescreened_at_size(estimator, [screen.Share(("bow",), 0.5)], fit)
     assert found.share == pytest.approx(1.0)  # twice the size takes all

@@ -78,8 +78,8 @@ def test_broydens_update_finds_what_differences_find(run, monkeypatch):
     there = JointCompliance(at="hinge", stiffness=1.0e5, damping=400.0)
     record = seen(run, nominal.with_effect(there))
     found, simulations = [], []
-    for part in (0.0, least_squares.FORETOLD):
-        monkeypatch.setattr(least_squares, "FORETOLD", part)
+    for part in (0.0, least_squares.PREDICTED):
+        monkeypatch.setattr(least_squares, "PREDICTED", part)
         both = problem(nominal, record)
         estimator = Estimator.nominal(both, nuisance_model(both))
         first = [c for c in candidates(both, estimator.nuisance.arm) if c.name == "joint_compliance"]

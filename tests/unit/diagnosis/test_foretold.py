@@ -9,7 +9,7 @@ from planted import two_joints
 from posed import posed, poses
 
 import flexarm
-from flexarm.diagnosis.result import TIMES, HeldOutGap, adequate_if_foretold
+from flexarm.diagnosis.result import TIMES, HeldOutGap, adequate_if_predicted
 from flexarm.effects import JointCompliance
 from flexarm.report.diagnosis import write
 from flexarm.report.sentences import unpredicted_sentence
@@ -109,7 +109,7 @@ def test_a_training_that_is_left_with_as_much_makes_no_model_adequate(swings, ve
     """A fit that judged few rows is no excuse; what an arm swung with at the start of its records is one."""
     before, _ = diagnoses.comparisons()
     d = replace(diagnoses.adequate(), after=before)
-    found = adequate_if_foretold(d, {}, swings)
+    found = adequate_if_predicted(d, {}, swings)
     assert found.verdict == verdict
     assert ("'tip' in the held-out 'other' 7.92 mm rms are left, 112 times the noise" in found.remainder) == (
         verdict == "unexplained"
@@ -119,5 +119,5 @@ def test_a_training_that_is_left_with_as_much_makes_no_model_adequate(swings, ve
 def test_noise_of_drives_counts_as_noise_of_what_is_held_out():
     before, _ = diagnoses.comparisons()
     d = replace(diagnoses.adequate(), after=before)
-    assert adequate_if_foretold(d, {"tip": 60.0**2}, False) is d
-    assert adequate_if_foretold(d, {"tip": 10.0**2}, False).verdict == "unexplained"
+    assert adequate_if_predicted(d, {"tip": 60.0**2}, False) is d
+    assert adequate_if_predicted(d, {"tip": 10.0**2}, False).verdict == "unexplained"

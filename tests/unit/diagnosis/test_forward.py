@@ -94,7 +94,7 @@ def search(monkeypatch):
     monkeypatch.setattr(Criteria, "explains", lambda self, one: one.cost < 10)
     monkeypatch.setattr(Criteria, "leaves_most", lambda self, one: one.cost > 90)
     monkeypatch.setattr(Criteria, "hardly_helps", lambda self, one: False)
-    monkeypatch.setattr(module, "causes", lambda members, places: len(members))
+    monkeypatch.setattr(module, "effect_count", lambda members, places: len(members))
     null = fit("")
     return SearchState(None, null, null, None, Criteria(Rows(), null), {}), went_on
 
@@ -190,11 +190,11 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
     monkeypatch.setitem(COST, "b", 20)
     monkeypatch.setitem(COST, "ad", 25)
     monkeypatch.setitem(COST, "bd", 19)
-    monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
-    monkeypatch.setattr(module, "carries", lambda members, spring: False)
+    monkeypatch.setattr(module, "converged", lambda best, about: (best, about))
+    monkeypatch.setattr(module, "is_required", lambda members, spring: False)
     about = SimpleNamespace(fit=lambda members, nearby: made("".join(members)), problem=None)
     about.about = lambda best: about
-    ahead = SimpleNamespace(behind=-3.0, foretells=True, fit=made("bd"))
+    ahead = SimpleNamespace(behind=-3.0, predicts=True, fit=made("bd"))
 
     def with_alternatives(state, best, estimator):
         rivals = [[ahead]] if best.name == "ad" else []
@@ -208,14 +208,14 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
 
 def test_of_two_that_are_ahead_of_each_other_none_takes_the_place_twice(search, monkeypatch):
     weighed = []
-    monkeypatch.setattr(module, "settled", lambda best, about: (best, about))
+    monkeypatch.setattr(module, "converged", lambda best, about: (best, about))
     monkeypatch.setattr(module, "backward", lambda criteria, best, about: (best, about))
     about = SimpleNamespace(problem=None)
     about.about = lambda best: about
 
     def with_alternatives(state, best, estimator):
         weighed.append(best.name)
-        other = SimpleNamespace(behind=-0.1, foretells=True, fit=made("b" if best.name == "a" else "a"))
+        other = SimpleNamespace(behind=-0.1, predicts=True, fit=made("b" if best.name == "a" else "a"))
         return SimpleNamespace(best=best, estimator=estimator, rivals=[[other]])
 
     monkeypatch.setattr(module, "with_alternatives", with_alternatives)
@@ -240,7 +240,7 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
     """Sizes of first order may be absurd; three are fitted all the same."""
     sets = ["bow and tilt", "bow and play", "friction", "bow and mass", "tilt", "play", "mass"]
     shares = [SimpleNamespace(members=(name,), share=0.9 - k / 100) for k, name in enumerate(sets)]
-    monkeypatch.setattr(promising, "together", lambda *_: shares)
+    monkeypatch.setattr(promising, "screen_sets", lambda *_: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
 
@@ -256,7 +256,7 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
 
 def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
     shares = [SimpleNamespace(members=(name,), share=share) for name, share in (("tilt", 0.2), ("bow", 0.02))]
-    monkeypatch.setattr(promising, "together", lambda *_: shares)
+    monkeypatch.setattr(promising, "screen_sets", lambda *_: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
@@ -270,7 +270,7 @@ def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeyp
     found = lambda *given: [  # noqa: E731
         SimpleNamespace(members=(name,), share=0.9) for name in seen[given[-1] is not None and len(given) > 4]
     ]
-    monkeypatch.setattr(promising, "together", found)
+    monkeypatch.setattr(promising, "screen_sets", found)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
@@ -290,7 +290,7 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     monkeypatch.setattr(promising, "screen", lambda *_, seen=None: slow if seen is not None else shares)
     monkeypatch.setattr(promising, "slow_part", lambda problem: len)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
+    monkeypatch.setattr(promising, "rescreened_at_size", lambda estimator, shares, best: shares)
     monkeypatch.setattr(promising, "_from_other_gaps", lambda *_: [])
     monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
@@ -304,7 +304,7 @@ def test_what_promises_less_than_would_be_worth_a_name_is_not_fitted_even_then(m
     shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.5**k) for k in range(20)]
     monkeypatch.setattr(promising, "screen", lambda *_: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
+    monkeypatch.setattr(promising, "rescreened_at_size", lambda estimator, shares, best: shares)
     wanted, others = promising._promising(
         SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False
     )
@@ -319,7 +319,7 @@ def test_laws_are_looked_at_again_at_the_ends_of_what_is_plausible(monkeypatch, 
     far = [SimpleNamespace(members=("far",), places=("far",), share=0.5)]
     monkeypatch.setattr(promising, "screen", lambda *_: near)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "sharpened", lambda estimator, shares, best: shares)
+    monkeypatch.setattr(promising, "rescreened_at_size", lambda estimator, shares, best: shares)
     monkeypatch.setattr(promising, "_at_ends", lambda *_: far)
     wanted, _ = promising._promising(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=True)
     assert wanted[0].members == (first,)
@@ -371,9 +371,9 @@ def test_an_effect_is_looked_for_beside_a_spring_elsewhere_that_leaves_as_little
     found.tried = [far, twin]
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)
     monkeypatch.setattr(
-        registry, "new_springs", lambda fit: {at for name, at in fit.places if "joint" in name}
+        registry, "newly_soft_joints", lambda fit: {at for name, at in fit.places if "joint" in name}
     )
-    monkeypatch.setattr(found, "awake", lambda fit, about: [rubs, other])
+    monkeypatch.setattr(found, "with_new_springs", lambda fit, about: [rubs, other])
     asked = []
     monkeypatch.setattr(
         registry, "fit_singles", lambda about, laws, fit, criteria: asked.append((laws, fit)) or []
@@ -386,9 +386,9 @@ def test_candidates_are_probed_once_about_effects_that_are_not_all(search, monke
     """About the same effects as they are taken further, too: what others move beside them is the same."""
     found, asked = search[0], []
     found.probed, beside = ["nominal"], SearchState.candidates
-    monkeypatch.setattr(found, "awake", lambda fit, about: ["awake"])
+    monkeypatch.setattr(found, "with_new_springs", lambda fit, about: ["awake"])
     monkeypatch.setattr(Criteria, "adequate", lambda self, one: one.cost < 30)
-    monkeypatch.setattr(search_state, "nearby", lambda *given: asked.append(given) or ["near"])
+    monkeypatch.setattr(search_state, "rescreened", lambda *given: asked.append(given) or ["near"])
     assert beside(found, fit(""), "about") == ["awake"]
     assert beside(found, made("ab"), "about") == ["awake"]  # which explains all
     gap = made("cd")
@@ -414,7 +414,7 @@ def test_an_effect_is_held_against_the_model_without_it(search, monkeypatch):
     """And a spring that another one stands on against that without effects."""
     found = search[0]
     monkeypatch.setattr(module, "without", lambda others, *_: SimpleNamespace(gain=sum(map(len, others))))
-    monkeypatch.setattr(module, "carries", lambda others, member: member == "spring")
+    monkeypatch.setattr(module, "is_required", lambda others, member: member == "spring")
     monkeypatch.setattr(
         module, "log_bayes_factor", lambda best, fewer, *_: "null" if fewer is found.null else fewer.gain
     )

@@ -10,7 +10,7 @@ import flexarm
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves import search_state as module
-from flexarm.diagnosis.moves.search_state import SMALL, nearby
+from flexarm.diagnosis.moves.search_state import SMALL, rescreened
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import LONGER, probe, screen
@@ -50,7 +50,7 @@ def heavier():
     fit = estimator.linearised((replace(rod, effect=HEAVIER),))
     about = estimator.about(fit)
     fit = about.linearised(fit.members)
-    return about, probed, fit, nearby(about, probed, fit)
+    return about, probed, fit, rescreened(about, probed, fit)
 
 
 def of(probed, *places):
@@ -95,7 +95,7 @@ def test_laws_with_corners_are_probed_at_full_size(heavier):
 def test_a_clock_moves_as_it_is_eliminated_and_costs_no_run(heavier):
     estimator, probed, fit, _ = heavier
     made = estimator.problem.simulations.made
-    [clock] = nearby(estimator, of(probed, CLOCK), fit)
+    [clock] = rescreened(estimator, of(probed, CLOCK), fit)
     k = fit.nuisance.keys.index("effects.time_delay.tracker.delay")
     slope = fit.projection.jacobian[:, k]
     size = float(clock.moves[:, 0] @ slope) / float(slope @ slope)
@@ -113,7 +113,7 @@ def test_springs_take_one_small_step_and_softer_ones_are_as_soft_as_they_were_pr
     estimator, probed, fit, _ = heavier
     [base] = of(probed, ("base_compliance", "base"))
     soft = base.candidate.probes[0].replace(stiffness=1e4)
-    small, full = nearby(
+    small, full = rescreened(
         estimator, [base, replace(base, candidate=replace(base.candidate, probes=(soft,)))], fit
     )
     problem = estimator.problem.with_step(LONGER * estimator.problem.step)
@@ -131,7 +131,7 @@ def test_a_law_stays_as_it_was_where_its_steps_cannot_be_made(heavier, monkeypat
     estimator, probed, fit, _ = heavier
     load = of(probed, LOAD)
     monkeypatch.setattr(module, "_nudged", lambda *_: [])
-    assert nearby(estimator, load, fit) == load
+    assert rescreened(estimator, load, fit) == load
 
 
 def test_a_fit_that_cannot_be_simulated_in_longer_steps_leaves_all_as_it_was(heavier, monkeypatch):
@@ -142,4 +142,4 @@ def test_a_fit_that_cannot_be_simulated_in_longer_steps_leaves_all_as_it_was(hea
         raise NotConverged("no step")
 
     monkeypatch.setattr(module, "small_steps", fails)
-    assert nearby(estimator, load, fit) == load
+    assert rescreened(estimator, load, fit) == load

@@ -15,7 +15,13 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.refinement import gauss_newton_step, linearised, objective, predicted_decrease, settled
+from flexarm.diagnosis.refinement import (
+    converged,
+    gauss_newton_step,
+    linearised,
+    objective,
+    predicted_decrease,
+)
 from flexarm.diagnosis.uncertainty import estimates
 from flexarm.effects import LinkStiffness
 from flexarm.measurement import predict
@@ -61,14 +67,14 @@ def test_derivatives_by_both_are_one(first):
 
 def test_the_modulus_goes_back_to_where_it_is_likely(first):
     """Only its prior tells it from the stiffness, so that it is nominal where the product fits."""
-    fit, _ = settled(*first)
+    fit, _ = converged(*first)
     assert strain_of_the_modulus(fit) < 0.2
     assert fit.members[0].effect.scale == pytest.approx(SCALE, rel=2e-3)
 
 
 def test_its_interval_is_as_wide_as_the_modulus_is_uncertain(first):
     """1 % of the modulus are 1.64 % of half width at 90 %, to the 5 % that 600 draws know it."""
-    fit, about = settled(*first)
+    fit, about = converged(*first)
     [[found]] = estimates(fit, about.problem).effects
     half = (found.high90 - found.low90) / 2
     assert half == pytest.approx(1.645 * 0.01 * SCALE, rel=0.12)

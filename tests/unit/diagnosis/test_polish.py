@@ -44,7 +44,7 @@ def path(monkeypatch):
 def test_a_step_is_judged_against_the_same_model_evaluated(path):
     """95 by its own account, 95.5 in truth: 95.3 is less, and the next 95.29 is where it rests."""
     path += [95.3, 95.29]
-    assert polish.settled(fit(95.0), ABOUT)[0].objective == 95.29
+    assert polish.converged(fit(95.0), ABOUT)[0].objective == 95.29
 
 
 def test_what_is_better_by_its_own_account_than_all_that_follows_stays(path, monkeypatch):
@@ -53,7 +53,7 @@ def test_what_is_better_by_its_own_account_than_all_that_follows_stays(path, mon
     monkeypatch.setattr(polish, "linearised", linearised)
     path += [95.0, 94.99, 94.98]
     start = fit(90.0)
-    assert polish.settled(start, ABOUT) == polish.polished(start, ABOUT) == (start, ABOUT)
+    assert polish.converged(start, ABOUT) == polish.refined_while_better(start, ABOUT) == (start, ABOUT)
 
 
 def test_without_corners_what_steps_lead_to_is_believed(path, monkeypatch):
@@ -62,7 +62,7 @@ def test_without_corners_what_steps_lead_to_is_believed(path, monkeypatch):
     monkeypatch.setattr(polish, "linearised", linearised)
     monkeypatch.setattr(polish, "is_non_smooth", lambda arm: False)
     path += [95.0, 94.99]
-    assert polish.settled(fit(90.0), ABOUT)[0].objective == 94.99
+    assert polish.converged(fit(90.0), ABOUT)[0].objective == 94.99
 
 
 def test_a_model_without_effects_takes_no_steps_and_stays_where_it_is_better(path, monkeypatch):
@@ -70,12 +70,12 @@ def test_a_model_without_effects_takes_no_steps_and_stays_where_it_is_better(pat
     monkeypatch.setattr(polish, "is_non_smooth", lambda arm: False)
     monkeypatch.setattr(polish, "linearised", lambda one, about: (fit(100.0), HONEST))
     start = SimpleNamespace(objective=90.0, members=())
-    assert polish.settled(start, ABOUT) == (start, ABOUT)
+    assert polish.converged(start, ABOUT) == (start, ABOUT)
 
 
 def test_steps_end_where_they_bring_less_than_a_tenth_of_sigma_squared(path):
     path += [95.0, 94.95, 1.0]
-    assert polish.settled(fit(99.0), ABOUT)[0].objective == 94.95
+    assert polish.converged(fit(99.0), ABOUT)[0].objective == 94.95
     assert path == [1.0]
 
 
@@ -83,14 +83,14 @@ def test_a_step_that_leads_up_gives_way_to_a_fit_about_the_same_model(path, monk
     again = SimpleNamespace(problem=None, fit=lambda members: fit(97.0))
     monkeypatch.setattr(polish, "linearised", lambda one, about: (fit(100.0), again))
     path += [105.0]
-    assert polish.further(fit(90.0), ABOUT)[0].objective == 97.0
+    assert polish.refinement_step(fit(90.0), ABOUT)[0].objective == 97.0
 
 
 def test_nothing_that_leads_up_is_taken(path, monkeypatch):
     again = SimpleNamespace(problem=None, fit=lambda members: fit(101.0))
     monkeypatch.setattr(polish, "linearised", lambda one, about: (fit(100.0), again))
     path += [105.0]
-    assert polish.further(fit(90.0), ABOUT)[0].objective == 100.0
+    assert polish.refinement_step(fit(90.0), ABOUT)[0].objective == 100.0
 
 
 def test_what_cannot_be_simulated_further_stays_as_it_is(path, monkeypatch):
@@ -99,12 +99,12 @@ def test_what_cannot_be_simulated_further_stays_as_it_is(path, monkeypatch):
 
     monkeypatch.setattr(polish, "linearised", linearised)
     start = fit(90.0)
-    assert polish.settled(start, ABOUT) == polish.polished(start, ABOUT) == (start, ABOUT)
+    assert polish.converged(start, ABOUT) == polish.refined_while_better(start, ABOUT) == (start, ABOUT)
 
 
 def test_polishing_ends_after_two_rounds_that_bring_less_than_a_fiftieth(path):
     path += [60.0, 58.9, 57.8, 1.0]
-    assert polish.polished(fit(90.0), ABOUT)[0].objective == 57.8
+    assert polish.refined_while_better(fit(90.0), ABOUT)[0].objective == 57.8
 
 
 def test_a_step_that_overshoots_is_shortened(path, monkeypatch):
@@ -112,7 +112,7 @@ def test_a_step_that_overshoots_is_shortened(path, monkeypatch):
     monkeypatch.setattr(polish, "linearised", lambda one, about: (fit(100.0), HONEST))
     monkeypatch.setattr(polish, "predicted_decrease", lambda one: 90.0)
     path += [385.0, 120.0, 40.0]
-    assert polish.further(fit(100.0), ABOUT)[0].objective == 40.0
+    assert polish.refinement_step(fit(100.0), ABOUT)[0].objective == 40.0
     assert path == []
 
 
@@ -120,5 +120,5 @@ def test_a_step_that_would_lead_nowhere_is_not_shortened(path, monkeypatch):
     monkeypatch.setattr(polish, "linearised", lambda one, about: (fit(100.0), HONEST))
     monkeypatch.setattr(polish, "predicted_decrease", lambda one: 0.5)
     path += [100.1, 99.0]
-    assert polish.further(fit(100.0), ABOUT)[0].objective == 100.0
+    assert polish.refinement_step(fit(100.0), ABOUT)[0].objective == 100.0
     assert path == [99.0]

@@ -119,13 +119,13 @@ def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
     costs = {"payload_inertia": [12.0, 11.0, 10.9], "encoder_eccentricity": [11.5]}
     strained = {"payload_inertia": 19.0, "link_mass": 30.0}
 
-    def about_itself(fit, estimator):
+    def relinearised(fit, estimator):
         left = costs[fit.name]
         return Made(fit.name, left.pop(0) if left else fit.cost, 1.0, 50.0 - fit.cost, gap=False), estimator
 
-    monkeypatch.setattr(selection, "about_itself", about_itself)
+    monkeypatch.setattr(selection, "relinearised", relinearised)
     monkeypatch.setattr(Criteria, "conflict", lambda self, fit: strained.get(fit.name, 0.0))
-    monkeypatch.setattr(selection, "polished", lambda fit, about: (fit, about))
+    monkeypatch.setattr(selection, "refined_while_better", lambda fit, about: (fit, about))
     monkeypatch.setattr(selection, "_ranked", lambda fits, *_: sorted(fits, key=lambda f: f.cost))
     monkeypatch.setattr(selection, "_close", lambda *_: False)
     fits = [
@@ -141,9 +141,9 @@ def test_beside_a_gap_only_what_explains_about_as_much_is_taken_anew(monkeypatch
     """Of 100 the first leaves 40: what leaves more than (1 + 1/10) 40 + (100 - 40)/4 = 59 stays as it is."""
     anew = []
     monkeypatch.setattr(
-        selection, "about_itself", lambda fit, estimator: (anew.append(fit.name) or fit, estimator)
+        selection, "relinearised", lambda fit, estimator: (anew.append(fit.name) or fit, estimator)
     )
-    monkeypatch.setattr(selection, "polished", lambda fit, about: (fit, about))
+    monkeypatch.setattr(selection, "refined_while_better", lambda fit, about: (fit, about))
     monkeypatch.setattr(selection, "press_rms", lambda fit, problem: fit.press_rms)
     fits = [Made("first", 40.0, 4.0), Made("near", 58.0, 6.0), Made("far", 60.0, 6.0)]
     selection.best_of(SimpleNamespace(problem=OBSERVED), fits, NULL, CRITERIA)
@@ -162,7 +162,9 @@ def test_what_came_close_on_the_way_is_a_rival():
 def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatch):
     """Beside derivatives of the nominal model both are poor; the chosen one has come to rest since."""
     monkeypatch.setattr(rivals, "predicted_decrease", lambda fit: 8.0)
-    monkeypatch.setattr(rivals, "further", lambda fit, about, anew: (Made("settled", 1.0, 1.0, 99.0), about))
+    monkeypatch.setattr(
+        rivals, "refinement_step", lambda fit, about, anew: (Made("settled", 1.0, 1.0, 99.0), about)
+    )
     about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, first = (Made("gear_ratio", 1.0, 1.0, evidence) for evidence in (100.0, 41.0))
@@ -178,7 +180,7 @@ def test_a_rival_takes_steps_that_could_bring_it_near(monkeypatch, falls, steps)
     monkeypatch.setattr(rivals, "predicted_decrease", lambda fit: falls)
     monkeypatch.setattr(
         rivals,
-        "further",
+        "refinement_step",
         lambda fit, about, anew: (taken.append(fit) or Made("there", 1.0, 1.0, 95.0), about),
     )
     about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
@@ -191,7 +193,7 @@ def test_a_rival_takes_steps_that_could_bring_it_near(monkeypatch, falls, steps)
 def test_a_rival_that_no_step_could_bring_near_takes_none(monkeypatch):
     """Twenty behind, with a fall of C by 20 ahead: it would still be ten behind, out of sight."""
     monkeypatch.setattr(rivals, "predicted_decrease", lambda fit: 20.0)
-    monkeypatch.setattr(rivals, "further", lambda *_, **__: pytest.fail("took a step"))
+    monkeypatch.setattr(rivals, "refinement_step", lambda *_, **__: pytest.fail("took a step"))
     about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 80.0))
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 80.0)
@@ -209,7 +211,7 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
         monkeypatch.setattr(rivals, name, lambda *_: [])
     monkeypatch.setattr(rivals, "screen", lambda *_: shares)
     monkeypatch.setattr(rivals, "out_of_step", lambda *_: False)
-    monkeypatch.setattr(rivals, "sharpened", lambda estimator, shares, fit: shares)
+    monkeypatch.setattr(rivals, "rescreened_at_size", lambda estimator, shares, fit: shares)
     monkeypatch.setattr(rivals, "one_variant", lambda shares, most: shares)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
     monkeypatch.setattr(rivals, "predicts_better", lambda *_: False)

@@ -8,7 +8,7 @@ import pytest
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.screening import RIDGE, Linear, Probed, screen, together
+from flexarm.diagnosis.screening import RIDGE, Linear, Probed, screen, screen_sets
 from flexarm.effects import EncoderOffset
 
 ROWS = 60
@@ -52,7 +52,7 @@ def hidden():
 def test_three_that_help_only_together_are_found_together(hidden):
     alone = screen(*hidden)
     assert {share.members[0].at for share in alone[:7]} == {f"decoy_{k}" for k in range(7)}
-    best = together(*hidden, size=3)[0]
+    best = screen_sets(*hidden, size=3)[0]
     assert {member.at for member in best.members} == {"pitch", "roll", "place"}
     assert best.share > 0.98
     assert [m.effect.offset for m in best.members] == pytest.approx([1e-3] * 3, rel=0.02)

@@ -6,13 +6,13 @@ from pytest import approx
 
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.design.separation import (
-    Bench,
+    Responses,
     Shown,
     against_none,
     cliques,
     expected_log_bayes_factor,
-    left,
     matrix,
+    unexplained_gap,
 )
 from flexarm.diagnosis.nuisance import NuisanceModel, NuisanceParameter
 from flexarm.diagnosis.policy import SelectionPolicy
@@ -33,7 +33,7 @@ def bench(moves, jacobian=None, nuisance=()):
     effects = [JointCompliance(at="hinge", stiffness=1e5), Backlash(at="hinge", gap=1e-3)]
     probed = tuple(Probed(candidate(e), np.asarray(m)[:, None]) for e, m in zip(effects, moves, strict=False))
     jacobian = np.empty((N, 0)) if jacobian is None else jacobian
-    return Bench(NuisanceModel(None, tuple(nuisance)), jacobian, probed)
+    return Responses(NuisanceModel(None, tuple(nuisance)), jacobian, probed)
 
 
 def unit(k):
@@ -63,7 +63,7 @@ def test_evidence_grows_with_the_square_of_a_size_and_falls_with_that_of_the_noi
 def test_a_rival_of_the_same_shape_leaves_only_what_its_size_costs():
     """min over a of |g + a D|^2 + |a RIDGE|^2 with D = g: s^2 RIDGE^2/(s^2 + RIDGE^2)."""
     gap = 3.0 * unit(0)
-    v = left(bench([gap, gap]), gap[:, None], bench([gap, gap]).probed[1])
+    v = unexplained_gap(bench([gap, gap]), gap[:, None], bench([gap, gap]).probed[1])
     assert np.sum(v**2) == approx(9 * RIDGE**2 / (9 + RIDGE**2))
 
 
@@ -79,18 +79,18 @@ def test_an_unknown_takes_what_its_prior_allows():
     """A gap along a nuisance of slope J and sigma s leaves g^2/(1 + J^2 s^2) of its square."""
     clock = NuisanceParameter("effects.time_delay.tracker.delay", 0.0, 2.0, "s", "clock")
     found = bench([3.0 * unit(0)], 5.0 * unit(0)[:, None], [clock])
-    v = left(found, 3.0 * unit(0)[:, None], None)
+    v = unexplained_gap(found, 3.0 * unit(0)[:, None], None)
     assert np.sum(v**2) == approx(9 / (1 + 25 * 4))
 
 
 def test_a_delay_that_is_named_has_no_prior_of_a_clock():
     clock = NuisanceParameter("effects.time_delay.tracker.delay", 0.0, 1e-3, "s", "clock")
     late = Probed(candidate(TimeDelay(at="tracker", delay=1.0)), 5.0 * unit(0)[:, None])
-    found = Bench(NuisanceModel(None, (clock,)), 5.0 * unit(0)[:, None], (late,))
+    found = Responses(NuisanceModel(None, (clock,)), 5.0 * unit(0)[:, None], (late,))
     gap = 5.0 * unit(0)[:, None]
-    assert len(left(found, gap, None)) == N + 1
-    assert len(left(found, gap, late)) == N + 1  # its own probe instead of the clock
-    assert np.sum(left(found, gap, late) ** 2) == approx(25 * RIDGE**2 / (25 + RIDGE**2))
+    assert len(unexplained_gap(found, gap, None)) == N + 1
+    assert len(unexplained_gap(found, gap, late)) == N + 1  # its own probe instead of the clock
+    assert np.sum(unexplained_gap(found, gap, late) ** 2) == approx(25 * RIDGE**2 / (25 + RIDGE**2))
 
 
 @pytest.mark.parametrize(

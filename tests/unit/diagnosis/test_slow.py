@@ -9,7 +9,7 @@ from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.moves.proposals import slow_part
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.screening import Probed, screen, together
+from flexarm.diagnosis.screening import Probed, screen, screen_sets
 from flexarm.effects import EncoderOffset
 
 TIME = np.arange(0, 40, 0.1)
@@ -83,6 +83,6 @@ def test_the_right_effect_is_found_by_what_is_slow_in_its_size(out_of_step):
 
 
 def test_sets_of_two_are_looked_at_alike(out_of_step):
-    sets = together(*out_of_step, 2, slow_part(out_of_step[0].problem))
+    sets = screen_sets(*out_of_step, 2, slow_part(out_of_step[0].problem))
     assert {member.at for member in sets[0].members} >= {"mass"}
     assert sets[0].share > 0.8

@@ -7,13 +7,13 @@ from diagnoses import nominal, record, with_spring
 from flexarm.diagnosis import selection as choose
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import rivals_of
-from flexarm.diagnosis.candidate import carries
+from flexarm.diagnosis.candidate import is_required
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.moves.search_state import awakened, new_springs
+from flexarm.diagnosis.moves.search_state import newly_soft_joints, probed_through_springs
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.screening import probe, screen, together
+from flexarm.diagnosis.screening import probe, screen, screen_sets
 
 SPRING = ("joint_compliance", "hinge")
 LAWS = ("backlash", "joint_hysteresis", "joint_stiffening")
@@ -38,7 +38,7 @@ def test_no_law_is_looked_at_without_its_spring(rigid):
     estimator, probed = rigid
     start = estimator.fit(())
     assert not {share.places[0][0] for share in screen(estimator, probed, start)} & set(LAWS)
-    pairs = [share.places for share in together(estimator, probed, start, 2)]
+    pairs = [share.places for share in screen_sets(estimator, probed, start, 2)]
     with_law = [places for places in pairs if {name for name, _ in places} & set(LAWS)]
     assert with_law
     assert all(SPRING in places for places in with_law)
@@ -60,7 +60,7 @@ def test_a_spring_that_a_law_stands_on_is_not_dropped_and_has_no_rivals(rigid, m
     estimator, probed = rigid
     spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
     law = next(p.candidate for p in probed if p.candidate.name == "backlash")
-    assert carries((law,), spring) and not carries((spring,), law)
+    assert is_required((law,), spring) and not is_required((spring,), law)
     best = estimator.linearised((spring, law))
     assert rivals_of(0, best, Criteria(estimator.problem, estimator.fit(())), estimator, probed, ()) == []
     asked = []
@@ -76,8 +76,8 @@ def test_friction_shows_beside_a_spring_and_not_in_a_rigid_joint(rigid):
     spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
     assert np.abs(probed[k].moves).max() < 1e-3
     beside = estimator.linearised((spring,))
-    assert new_springs(beside) == {"hinge"}
-    awake = awakened(estimator, probed, beside)
+    assert newly_soft_joints(beside) == {"hinge"}
+    awake = probed_through_springs(estimator, probed, beside)
     assert np.abs(awake[k].moves).max() > 1.0
     others = [i for i, p in enumerate(probed) if not p.candidate.effect.acts_through_spring()]
     assert all(awake[i] is probed[i] for i in others)
@@ -88,5 +88,5 @@ def test_nothing_is_probed_anew_where_the_model_has_the_spring():
     spring = next(p.candidate for p in probed if p.candidate.place == SPRING)
     beside = estimator.linearised((spring,))
     made = estimator.problem.simulations.made
-    assert awakened(estimator, probed, beside) == list(probed)
+    assert probed_through_springs(estimator, probed, beside) == list(probed)
     assert estimator.problem.simulations.made == made

@@ -10,7 +10,7 @@ from posed import changed
 
 import flexarm
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.hold_out import hidden_strays, strays, strays_told
+from flexarm.diagnosis.hold_out import masked_outliers, outlier_remarks, residual_outliers
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.residual_rows import Rows, rows_left
 
@@ -54,7 +54,7 @@ def spoiled(share, size, seed=3):
 def test_rows_that_stand_alone_in_noise_are_strays():
     """Twelve sigmas beside noise of one are at least nine off; of two neighbours one may hide the other."""
     values, out = spoiled(0.05, 12.0)
-    found = strays(values, Channel())
+    found = residual_outliers(values, Channel())
     assert not (found & ~out).any()
     assert found[out].mean() > 0.8
 
@@ -63,28 +63,28 @@ def test_noise_has_no_strays_and_noise_that_is_larger_than_stated_has_none():
     """A hundred records; by (1) of the module one row in ten millions is one."""
     for times in (1.0, 5.0):
         for _ in range(50):
-            assert not strays(times * RNG.normal(size=N), Channel()).any()
+            assert not residual_outliers(times * RNG.normal(size=N), Channel()).any()
 
 
 def test_what_rings_for_some_rows_and_what_most_rows_do_is_no_stray():
     ringing = 30.0 * np.exp(-((np.arange(N) - 200) ** 2) / 200.0) * np.cos(2.4 * np.arange(N))
-    assert not strays(RNG.normal(size=N) + ringing, Channel()).any()
+    assert not residual_outliers(RNG.normal(size=N) + ringing, Channel()).any()
     often = RNG.normal(size=N) + 30.0 * (np.arange(N) % 6 == 0)
-    assert not strays(often, Channel()).any()
+    assert not residual_outliers(often, Channel()).any()
 
 
 def test_poses_follow_no_order_and_have_none():
-    assert not strays(spoiled(0.05, 12.0)[0], Channel("static")).any()
+    assert not residual_outliers(spoiled(0.05, 12.0)[0], Channel("static")).any()
 
 
 @pytest.mark.parametrize("quantity", ["torque", "acceleration", "strain"])
 def test_what_jumps_by_itself_must_be_beyond_all_else(quantity):
     """Teeth that strike show in single samples of a torque and are a gap; a broken word is far beyond."""
     values, _ = spoiled(0.05, 8.0)
-    assert strays(values, Channel()).any()
-    assert not strays(values, Channel(quantity=quantity)).any()
+    assert residual_outliers(values, Channel()).any()
+    assert not residual_outliers(values, Channel(quantity=quantity)).any()
     values[200] = 400.0
-    assert np.flatnonzero(strays(values, Channel(quantity=quantity))).tolist() == [200]
+    assert np.flatnonzero(residual_outliers(values, Channel(quantity=quantity))).tolist() == [200]
 
 
 def test_strays_that_make_a_gap_are_left_out():
@@ -92,19 +92,19 @@ def test_strays_that_make_a_gap_are_left_out():
     values, out = spoiled(0.07, 30.0)
     channel, null = Channel(), Left(values + GAP)
     assert Criteria(channel, null).leaves_gap(Left(values))
-    found = hidden_strays(Left(values), Criteria(channel, null))
+    found = masked_outliers(Left(values), Criteria(channel, null))
     assert found[out].mean() > 0.8
-    [said] = strays_told(found, channel)
+    [said] = outlier_remarks(found, channel)
     assert said.startswith(f"{found.sum()} values of tip in run left out: outliers")
 
 
 def test_nothing_is_left_out_where_nothing_or_something_else_is_left():
     values, _ = spoiled(0.02, 8.0)
     assert not Criteria(Channel(), Left(values + GAP)).leaves_gap(Left(values))
-    assert not hidden_strays(Left(values), Criteria(Channel(), Left(values + GAP))).any()
+    assert not masked_outliers(Left(values), Criteria(Channel(), Left(values + GAP))).any()
     both = spoiled(0.07, 30.0)[0] + 0.3 * GAP
     assert Criteria(Channel(), Left(both + GAP)).leaves_gap(Left(both))
-    assert not hidden_strays(Left(both), Criteria(Channel(), Left(both + GAP))).any()
+    assert not masked_outliers(Left(both), Criteria(Channel(), Left(both + GAP))).any()
 
 
 def test_rows_that_are_left_keep_their_values_and_instants():
@@ -129,7 +129,7 @@ def test_rows_that_are_left_keep_their_values_and_instants():
 def test_they_are_counted_in_words(count, words):
     found = np.zeros(N, dtype=bool)
     found[:count] = True
-    assert strays_told(found, Channel())[0].startswith(words)
+    assert outlier_remarks(found, Channel())[0].startswith(words)
 
 
 def with_outliers(record, seed):

@@ -8,7 +8,7 @@ from diagnoses import SENSORS
 import flexarm
 from flexarm.diagnosis.design.experiment import from_record
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.naming import initial_transients
+from flexarm.diagnosis.naming import transient_remarks
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.record_conditions import FINER, HEIGHT, initial_condition_jacobian
@@ -77,7 +77,7 @@ def test_it_is_told_and_is_no_value_of_the_model(problem, fit):
     found = estimates(fit, problem)
     assert not found.nuisances
     assert not found.refined
-    [sentence] = initial_transients(fit, problem)
+    [sentence] = transient_remarks(fit, problem)
     assert sentence.startswith("late begins with the arm swinging, by up to")
     assert " mm at tip" in sentence
 

@@ -12,7 +12,7 @@ from flexarm.diagnosis.moves.confounding import _matched, taken_over, takeovers
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.refinement import without_effects
+from flexarm.diagnosis.refinement import fitted_null
 from flexarm.diagnosis.screening import probe
 from flexarm.effects import LinkLength, LinkStiffness, PayloadMass, TimeDelay
 from flexarm.measurement import predict
@@ -50,7 +50,7 @@ def seen(truth, half_way=False, **also):
     ]  # fmt: skip
     problem = Problem(nominal, {"run": record.replace(signals=shown)}, step=4e-3)
     estimator = Estimator.nominal(problem, nuisance_model(problem))
-    null, about = without_effects(estimator.fit(()), estimator)
+    null, about = fitted_null(estimator.fit(()), estimator)
     return about, probe(estimator, candidates(problem, estimator.nuisance.arm)), null
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from flexarm import Record, Signal
 from flexarm.comparison import compare
-from flexarm.diagnosis.naming import unfitted, unweighed, weighed_loads
+from flexarm.diagnosis.naming import noise_remarks, payload_remarks, unfitted_remarks
 from flexarm.diagnosis.problem import Problem
 from flexarm.record import CarriedPayload
 from flexarm.validation.sensor_check import check
@@ -65,12 +65,12 @@ def test_a_comparison_says_what_is_not_aligned_where_nothing_can_be(silent):
 
 def test_a_diagnosis_says_which_noise_counts_and_what_is_not_aligned(silent):
     """Second differences of a gap of centimetres show little more than the noise of 50 um."""
-    [told] = unweighed(Problem(diagnoses.with_spring(), {"a": silent}))
+    [told] = noise_remarks(Problem(diagnoses.with_spring(), {"a": silent}))
     assert told.startswith("no noise is stated for tip: the ")
     size = float(told.split("the ")[1].split()[0])
     assert "µm that its values show" in told and 35 < size < 100
     assert told.endswith("not aligned by it, in clock tracker and frame tracker")
-    assert list(unweighed(Problem(diagnoses.with_spring(), {"a": diagnoses.record(1)}))) == []
+    assert list(noise_remarks(Problem(diagnoses.with_spring(), {"a": diagnoses.record(1)}))) == []
 
 
 def test_a_signal_of_which_nothing_is_fitted_is_told():
@@ -79,7 +79,7 @@ def test_a_signal_of_which_nothing_is_fitted_is_told():
     few = full.signals["tip"]
     few = few.replace(name="few", values=few.values[:7], time=few.time[:7], noise_std=None)
     problem = Problem(diagnoses.with_spring(), {"a": full.replace(signals={**full.signals, "few": few})})
-    assert list(unfitted(problem, {"a": ("tip", "few")})) == [
+    assert list(unfitted_remarks(problem, {"a": ("tip", "few")})) == [
         "a: few is not fitted: no noise is stated, and its values are too few or too even to show it"
     ]
 
@@ -88,8 +88,8 @@ def test_a_mass_that_the_records_state_is_believed_and_that_is_said():
     """Two campaigns that wrote 5 kg for 6.5 kg were told as a load off its centre."""
     arm = diagnoses.nominal().replace(uncertainty={"payloads.load.mass": 0.05})
     weighing = diagnoses.record(1).replace(payloads={"load": CarriedPayload(mass=5.0)})
-    [said] = weighed_loads(Problem(arm, {"a": weighing}, step=0.01))
+    [said] = payload_remarks(Problem(arm, {"a": weighing}, step=0.01))
     assert said.startswith(
         "the mass of load is what the records state, and its uncertainty in the model has no part"
     )
-    assert list(weighed_loads(Problem(arm, {"a": diagnoses.record(1)}, step=0.01))) == []
+    assert list(payload_remarks(Problem(arm, {"a": diagnoses.record(1)}, step=0.01))) == []

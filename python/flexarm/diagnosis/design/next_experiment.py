@@ -67,7 +67,7 @@ def gains(
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Rows of (1): differences d and derivatives Z for each pair, derivatives J by unknowns."""
+    """Rows of (1): differences d and derivatives Z for each pair, derivatives J by nuisance parameters."""
 
     nuisance: tuple[NuisanceParameter, ...]
     jacobian: Floats
@@ -130,7 +130,7 @@ def _unknowns(choice: Choice, arm: Arm, problem: Problem) -> tuple[NuisanceParam
 
 
 def _put(arm: Arm, choice: Choice, fit: Fit, members: Sequence[Candidate] | None = None) -> Arm:
-    """Return a fitted model with the points and unknowns of `arm`."""
+    """Return a fitted model with the points and nuisance parameters of `arm`."""
     found = choice.estimator.with_effects(fit.members if members is None else members)
     return found.replace(points=arm.points, uncertainty=arm.uncertainty)
 

@@ -24,7 +24,7 @@ from flexarm.diagnosis.design.candidate_measurements import menu
 from flexarm.diagnosis.design.experiment import Experiment, from_drive, from_record
 from flexarm.diagnosis.design.plan_result import FAR, Plan, PlannedEffect, Tie
 from flexarm.diagnosis.design.separation import (
-    Laboratory,
+    VirtualExperiments,
     against_none,
     cliques,
     gaps_of,
@@ -167,15 +167,17 @@ def plan(
         raise InvalidParameter("needs at least one motion", where="drives")
     tell(0.02, "simulating")
     additions = menu(arm, runs, runs[0].run(arm, step, alpha))
-    lab = Laboratory(arm, additions, step, alpha, jobs or os.cpu_count() or 1)
-    bench, rows = lab.base(runs, lambda done: tell(0.05 + 0.5 * done, "probing effects"))
-    base = bench.only(rows.all())
+    lab = VirtualExperiments(arm, additions, step, alpha, jobs or os.cpu_count() or 1)
+    responses, rows = lab.base(runs, lambda done: tell(0.05 + 0.5 * done, "probing effects"))
+    base = responses.only(rows.all())
     shown = shown_by(base)
     seen = against_none(base, gaps_of(base, shown))
     factors = matrix(base, shown)
     tied = ties(factors, seen)
     tell(0.6, "looking for additions")
-    partings = lab.partings(bench, rows, shown, tied, seen, lambda done: tell(0.6 + 0.4 * done, "additions"))
+    partings = lab.partings(
+        responses, rows, shown, tied, seen, lambda done: tell(0.6 + 0.4 * done, "additions")
+    )
     said = tuple(dict.fromkeys(sentence for run in runs for sentence in run.assumed))
     places = [each[0].candidate.spot for each in base.effects]
     return Plan(

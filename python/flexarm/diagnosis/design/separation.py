@@ -13,7 +13,7 @@ name is half the squared length of v [Chaloner1995], reduced by the error of any
 
 It grows with the square of the size of g_i: the size at which E ln B against no effect at all reaches a
 threshold is the smallest that is detected. What the parameters of the models cost is left out of (2); it is
-alike for rivals.
+alike for alternatives.
 
 Virtual experiments give the gaps. Their model has all reflectors of the menu of additions, and every run all
 sensors of the menu. An addition is then a choice of rows; only another run is simulated anew.
@@ -46,7 +46,7 @@ from flexarm.record import Record
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class Responses:
     """Responses of rows of experiments to nuisance parameters and effects, over the noise.
 
     Attributes
@@ -68,19 +68,19 @@ class Bench:
         """Variants by effect and place."""
         return [tuple(each) for _, each in groupby(self.probed, key=lambda p: p.candidate.spot)]
 
-    def only(self, rows: NDArray[np.bool_]) -> Bench:
+    def only(self, rows: NDArray[np.bool_]) -> Responses:
         """With some of the rows."""
         probed = tuple(Probed(p.candidate, p.moves[rows]) for p in self.probed)
-        return Bench(self.nuisance, self.jacobian[rows], probed)
+        return Responses(self.nuisance, self.jacobian[rows], probed)
 
-    def of(self, places: Sequence[tuple[str, str]]) -> Bench:
+    def of(self, places: Sequence[tuple[str, str]]) -> Responses:
         """With some of the effects, in the order of the bench."""
         wanted = set(places)
-        return Bench(
+        return Responses(
             self.nuisance, self.jacobian, tuple(p for p in self.probed if p.candidate.spot in wanted)
         )
 
-    def beside(self, other: Bench) -> Bench:
+    def stacked_with(self, other: Responses) -> Responses:
         """With the rows of another bench below; effects of which all variants are in both."""
         below = {_key(p.candidate): p.moves for p in other.probed}
         lost = {p.candidate.spot for p in self.probed if _key(p.candidate) not in below}
@@ -89,18 +89,20 @@ class Bench:
             for p in self.probed
             if p.candidate.spot not in lost
         )
-        return Bench(self.nuisance, np.vstack([self.jacobian, other.jacobian]), probed)
+        return Responses(self.nuisance, np.vstack([self.jacobian, other.jacobian]), probed)
 
 
 def _key(candidate: Candidate) -> str:
     return repr(candidate.effect) + repr(candidate.probes)
 
 
-def left(bench: Bench, gaps: Floats, rival: Probed | None) -> Floats:
-    """v of (1) for gaps (n, k): rows, then what is asked of unknowns and of the rival, in sigmas."""
-    taken = set() if rival is None else taken_by(rival.candidate, bench.nuisance)
-    keep = [k for k, u in enumerate(bench.nuisance.parameters) if u.key not in taken]
-    jacobian, sigma = bench.jacobian[:, keep], bench.nuisance.sigma[keep]
+def unexplained_gap(responses: Responses, gaps: Floats, rival: Probed | None) -> Floats:
+    """v of (1) for gaps (n, k): rows, then what is asked of nuisance parameters and of the alternative, in
+    sigmas.
+    """
+    taken = set() if rival is None else taken_by(rival.candidate, responses.nuisance)
+    keep = [k for k, u in enumerate(responses.nuisance.parameters) if u.key not in taken]
+    jacobian, sigma = responses.jacobian[:, keep], responses.nuisance.sigma[keep]
     if rival is not None:
         jacobian = np.column_stack([jacobian, rival.moves])
         sigma = np.concatenate([sigma, np.full(rival.moves.shape[1], 1.0 / RIDGE)])
@@ -132,38 +134,43 @@ class Shown:
     probe: int
 
 
-def shown_by(bench: Bench) -> list[Shown]:
+def shown_by(responses: Responses) -> list[Shown]:
     """Of every effect."""
     found = []
-    for variants in bench.effects:
+    for variants in responses.effects:
         values = [
             (float(value), Shown(k, i))
             for k, each in enumerate(variants)
-            for i, value in enumerate(against_none(bench, each.moves))
+            for i, value in enumerate(against_none(responses, each.moves))
         ]
         found.append(max(values, key=lambda pair: pair[0])[1])
     return found
 
 
-def gaps_of(bench: Bench, shown: Sequence[Shown]) -> Floats:
+def gaps_of(responses: Responses, shown: Sequence[Shown]) -> Floats:
     """g of (1) for every effect, shape (n, effects)."""
     columns = [
-        variants[s.variant].moves[:, s.probe] for variants, s in zip(bench.effects, shown, strict=True)
+        variants[s.variant].moves[:, s.probe] for variants, s in zip(responses.effects, shown, strict=True)
     ]
-    return np.stack(columns, axis=1) if columns else np.empty((len(bench.jacobian), 0))
+    return np.stack(columns, axis=1) if columns else np.empty((len(responses.jacobian), 0))
 
 
-def against_none(bench: Bench, gaps: Floats) -> Floats:
+def against_none(responses: Responses, gaps: Floats) -> Floats:
     """E ln B of every gap against no effect at all."""
-    return expected_log_bayes_factor(left(bench, gaps, None), len(gaps))
+    return expected_log_bayes_factor(unexplained_gap(responses, gaps, None), len(gaps))
 
 
-def matrix(bench: Bench, shown: Sequence[Shown]) -> Floats:
-    """E ln B_ij of (2), shape (effects, effects); a rival has the best of its variants. The diagonal is 0."""
-    gaps = gaps_of(bench, shown)
+def matrix(responses: Responses, shown: Sequence[Shown]) -> Floats:
+    """E ln B_ij of (2), shape (effects, effects); an alternative has the best of its variants. The diagonal
+    is 0.
+    """
+    gaps = gaps_of(responses, shown)
     columns = []
-    for variants in bench.effects:
-        each = [expected_log_bayes_factor(left(bench, gaps, rival), len(gaps)) for rival in variants]
+    for variants in responses.effects:
+        each = [
+            expected_log_bayes_factor(unexplained_gap(responses, gaps, rival), len(gaps))
+            for rival in variants
+        ]
         columns.append(np.min(each, axis=0))
     found = np.stack(columns, axis=1) if columns else np.empty((0, 0))
     np.fill_diagonal(found, 0.0)
@@ -210,7 +217,7 @@ def pairs(tied: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return [(int(i), int(j)) for i, j in np.argwhere(np.triu(tied, 1))]
 
 
-class Laboratory:
+class VirtualExperiments:
     """The virtual laboratory: a model with all reflectors that may be added, and the menu."""
 
     def __init__(self, arm: Arm, additions: Sequence[Addition], step: float, alpha: float, jobs: int) -> None:
@@ -226,42 +233,46 @@ class Laboratory:
         records = {name: run.record(self.arm, self.step, self.alpha) for name, run in runs.items()}
         return Problem(self.arm, records, step=self.step, alpha=self.alpha, jobs=self.jobs)
 
-    def base(self, runs: Sequence[Experiment], note: Callable[[float], object]) -> tuple[Bench, Rows]:
+    def base(
+        self, runs: Sequence[Experiment], note: Callable[[float], object]
+    ) -> tuple[Responses, PlannedRows]:
         """Return the planned runs, with all sensors of the menu; which rows are whose."""
         more = [sensor for addition in self.additions for sensor in addition.sensors]
         sensors = {sensor.name for run in runs for sensor in run.sensors}
         full = {run.name: replace(run, sensors=(*run.sensors, *more)) for run in runs}
         problem = self.problem(full)
         self.units = {name: s.unit for r in problem.records.values() for name, s in r.signals.items()}
-        rows = Rows(problem, sensors)
+        rows = PlannedRows(problem, sensors)
         self.nuisance = nuisance_model(problem)
         plain = Problem(self.arm, {n: _only(r, sensors) for n, r in problem.records.items()}, step=self.step)
         self.candidates = candidates(plain, self.nuisance.arm)
-        return self._bench(problem, self.candidates, note), rows
+        return self._responses(problem, self.candidates, note), rows
 
-    def _bench(self, problem: Problem, wanted: Sequence[Candidate], note: Callable[[float], object]) -> Bench:
+    def _responses(
+        self, problem: Problem, wanted: Sequence[Candidate], note: Callable[[float], object]
+    ) -> Responses:
         assert self.nuisance is not None
         estimator = Estimator.nominal(problem, self.nuisance)
-        return Bench(self.nuisance, estimator.jacobian, tuple(probe(estimator, wanted, note)))
+        return Responses(self.nuisance, estimator.jacobian, tuple(probe(estimator, wanted, note)))
 
     def partings(
         self,
-        bench: Bench,
-        rows: Rows,
+        responses: Responses,
+        rows: PlannedRows,
         shown: Sequence[Shown],
         tied: NDArray[np.bool_],
         seen: Floats,
         note: Callable[[float], object],
     ) -> dict[tuple[int, int], list[Parting]]:
         """Return what every addition would do for every tied pair, the cheapest that parts it first."""
-        places = [each[0].candidate.spot for each in bench.effects]
+        places = [each[0].candidate.spot for each in responses.effects]
         index = np.flatnonzero(tied.any(axis=1))
         wanted = [places[i] for i in index]
         found: dict[tuple[int, int], list[Parting]] = {pair: [] for pair in pairs(tied)}
         if not len(index):
             return found
         for k, addition in enumerate(self.additions):
-            with_it = self._added(bench, rows, addition, wanted)
+            with_it = self._added(responses, rows, addition, wanted)
             there = [each[0].candidate.spot for each in with_it.effects]
             factors = matrix(with_it, [shown[places.index(place)] for place in there])
             least = np.array([seen[places.index(place)] for place in there])
@@ -274,18 +285,18 @@ class Laboratory:
         return {pair: sorted(each, key=_order) for pair, each in found.items()}
 
     def _added(
-        self, bench: Bench, rows: Rows, addition: Addition, wanted: Sequence[tuple[str, str]]
-    ) -> Bench:
+        self, responses: Responses, rows: PlannedRows, addition: Addition, wanted: Sequence[tuple[str, str]]
+    ) -> Responses:
         """Return the bench with an addition, for some effects."""
-        kept = bench.of(wanted)
+        kept = responses.of(wanted)
         if addition.sensors:
             return kept.only(rows.all(sensor.name for sensor in addition.sensors))
         there = self.problem({f"{run.name}, {addition.words}": run for run in addition.runs})
         mine = [each for each in self.candidates if each.spot in set(wanted)]
-        return kept.only(rows.all()).beside(self._bench(there, mine, lambda done: None))
+        return kept.only(rows.all()).stacked_with(self._responses(there, mine, lambda done: None))
 
 
-class Rows:
+class PlannedRows:
     """Rows of the planned sensors, and of those on the menu."""
 
     def __init__(self, problem: Problem, planned: set[str]) -> None:

@@ -8,12 +8,13 @@ over the move :math:`J_u x_u` of an unknown u where
 
 .. math:: R_u^2 = 1 - \min_\alpha |J_u x_u - D \alpha|^2 / |J_u x_u|^2 > \text{confounded},               (1)
 
-and with it what else it is the `SAME` as, such as all of a frame. Its fit starts with these unknowns back
-where they are stated, and with the size that makes up for them.
+and with it what else it is the `SAME` as, such as all of a frame. Its fit starts with these nuisance
+parameters back where they are stated, and with the size that makes up for them.
 
-What one effect moves may be told as several unknowns at once: a longer link as two points off along it, each
-of which moves a part of that. The moves of unknowns are added up, the most alike first, while each leaves at
-most half of what (1) misses. An effect that does better so than with any of them goes before all others.
+What one effect moves may be told as several nuisance parameters at once: a longer link as two points off
+along it, each of which moves a part of that. The moves of nuisance parameters are added up, the most alike
+first, while each leaves at most half of what (1) misses. An effect that does better so than with any of them
+goes before all others.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.moves.search_state import SearchState, same_in_small_steps, small_steps
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.screening import LONGER, Probed, in_proportion, possible
+from flexarm.diagnosis.screening import LONGER, Probed, linear_response, possible
 from flexarm.named_effects import Place
 
 SAME = 0.98
@@ -41,9 +42,11 @@ SAME = 0.98
 TOGETHER = ""
 """Instead of the key of one unknown: several of them."""
 PART = 1 / 3
-"""Least part of what would be left without strained unknowns that they explain."""
+"""Least part of what would be left without strained nuisance parameters that they explain."""
 SIZES = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0)
-"""Times what makes up for the unknowns to first order that are tried, to start where it does so best."""
+"""Times what makes up for the nuisance parameters to first order that are tried, to start where it does so
+best.
+"""
 
 Strained = dict[str, tuple[Floats, float]]
 """Responses to nuisance parameters and their estimates, by key."""
@@ -51,7 +54,7 @@ Strained = dict[str, tuple[Floats, float]]
 
 @dataclass(frozen=True, eq=False)
 class Takeover:
-    """An effect that does what some unknowns are strained to do.
+    """An effect that does what some nuisance parameters are strained to do.
 
     Attributes
     ----------
@@ -60,7 +63,7 @@ class Takeover:
     alphas : ndarray
         How much of its probes that is, to first order.
     values : dict of str to float
-        The unknowns that it takes over, and where they are.
+        The nuisance parameters that it takes over, and where they are.
     """
 
     candidate: Candidate
@@ -86,7 +89,7 @@ def confounding(state: SearchState, best: Fit, about: Estimator, found: Sequence
 
 
 def taken_over(estimator: Estimator, probed: Sequence[Probed], best: Fit, near: float = inf) -> list[Fit]:
-    """Fits of what could take over what unknowns of `best` are strained to do, beside its effects.
+    """Fits of what could take over what nuisance parameters of `best` are strained to do, beside its effects.
 
     Derivatives are taken anew only about a fit that comes `near` others with those at hand. Where others must
     make room, derivatives at the start lead nowhere; then they are taken once more, unless another fit is
@@ -109,7 +112,8 @@ def taken_over(estimator: Estimator, probed: Sequence[Probed], best: Fit, near: 
 
 
 def takeovers(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Takeover]:
-    """Return what is most alike of several strained unknowns together and of each, then what is so next.
+    """Return what is most alike of several strained nuisance parameters together and of each, then what is so
+    next.
 
     The most strained ones come first.
     """
@@ -129,8 +133,8 @@ def takeovers(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list
 
 
 def _stand_in(best: Fit, pull: float) -> bool:
-    """Return True if strained unknowns explain a good part of what would be left with them where they are
-    stated.
+    """Return True if strained nuisance parameters explain a good part of what would be left with them where
+    they are stated.
 
     Beside a larger gap they are strained by what else is missing, and that comes first.
     """
@@ -145,13 +149,13 @@ def _moves(
 ) -> Iterator[tuple[Candidate, Floats, Strained]]:
     """Effects that are not there, with derivatives by the sizes of their probes about a fit.
 
-    Beside them what strained unknowns move in the same simulations. Nothing is simulated for clocks alone:
-    late readings look like nothing that an arm does.
+    Beside them what strained nuisance parameters move in the same simulations. Nothing is simulated for
+    clocks alone: late readings look like nothing that an arm does.
     """
     free = [p.candidate for p in probed if not p.candidate.spots & best.spots]
     others: list[Candidate] = []
     for candidate in free:
-        moves = in_proportion(candidate, best.nuisance.keys, best.projection.jacobian)
+        moves = linear_response(candidate, best.nuisance.keys, best.projection.jacobian)
         if moves is not None:
             yield candidate, moves, strained
         elif not _unlike(candidate, others):
@@ -200,12 +204,12 @@ def _together(
 
 
 def _moved(strained: Strained, keys: Sequence[str]) -> Floats:
-    """Return what some unknowns move together."""
+    """Return what some nuisance parameters move together."""
     return np.asarray(np.sum([strained[key][0] for key in keys], axis=0))
 
 
 def _matched(estimator: Estimator, takeover: Takeover, best: Fit) -> Candidate:
-    """Return the effect of the size that moves residuals most as the unknowns do where they are.
+    """Return the effect of the size that moves residuals most as the nuisance parameters do where they are.
 
     A spring, say, adds to what gives way, of which a modulus a sixth too small has a fifth too much. It is
     where a fit starts; longer steps are enough.

@@ -1,9 +1,9 @@
 """Families: one effect at all places of a kind, proposed as one cause.
 
-With D_i what the probe of an effect moves at place i, a shared size alpha moves sum_i D_i alpha; errors that
-may have either sign have an alpha each. So a family is screened, sharpened and fitted as a single candidate
-is (`diagnosis.screening`), from the same probes. Where the model has the effect at some places already, the
-family takes their place.
+With D_i the response to the probe of an effect at place i, a shared size alpha has the response sum_i D_i
+alpha; errors that may have either sign have an alpha each. A family is screened and fitted as a single
+candidate is (`diagnosis.screening`), from the same probes. Where the model has the effect at some places
+already, the family takes their place.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from flexarm.diagnosis.family import EffectFamily, clear_places, family_of, with
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.proposals import fitted, one_variant
 from flexarm.diagnosis.moves.search_state import SearchState
-from flexarm.diagnosis.refinement import about_or_here
-from flexarm.diagnosis.screening import Probed, screen, sharpened
+from flexarm.diagnosis.refinement import estimator_about
+from flexarm.diagnosis.screening import Probed, rescreened_at_size, screen
 
 
 def families(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
@@ -34,24 +34,26 @@ def families(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fi
     probed = probed_families(about, state.candidates(best, about))
     here = best if best.members else state.start
     shares = one_variant(screen(about, probed, here), 2 * policy.families)
-    more = fitted(about, sharpened(about, shares, here)[: policy.families], here, criteria, found=found)
+    more = fitted(
+        about, rescreened_at_size(about, shares, here)[: policy.families], here, criteria, found=found
+    )
     return more + _in_place_of_singles(
         about, probed, best, criteria.early_stop([best, *found, *more], state.null, policy.halfway)
     )
 
 
 def without_idle_places(criteria: Criteria, best: Fit, about: Estimator) -> tuple[Fit, Estimator]:
-    """Return a model of which places have left their families, if that is more probable without them.
+    """Return a model without places of families that make it less probable.
 
-    Where the data show too few places by themselves, these become single effects, if that is as much more
-    probable for each place that leaves.
+    If the data determine too few places of a family, these become single effects, if the model is then more
+    probable by as much for each place removed.
     """
     found = best
     for spots in [m.spots for m in best.members if isinstance(m, EffectFamily)]:
         [family] = [m for m in found.members if m.spots == spots]  # fits make others of all members
         assert isinstance(family, EffectFamily)
         found = _thinned(criteria, found, family, about)
-    return found, about if found is best else about_or_here(found, about)
+    return found, about if found is best else estimator_about(found, about)
 
 
 def _thinned(criteria: Criteria, whole: Fit, family: EffectFamily, about: Estimator) -> Fit:

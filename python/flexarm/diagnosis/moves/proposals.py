@@ -1,14 +1,12 @@
-"""Proposals of larger models, also by moving averages of residuals, in which vibrations hardly show.
+"""Proposals of larger models: the effects that promise most, or sets of them, given those of a model.
 
-A mass or a stiffness that is far off shifts the frequency at which an arm rings, and within some periods the
-model is out of step: to first order nothing explains that any more, least of all the right size of the right
-effect. How the arm hangs, and what its motors bear, still follow in proportion.
+A screening (`diagnosis.screening`) ranks effects and places; the first few are fitted. Sets of two or three
+are fitted only where no smaller one explains all, sets of three only if no extension of a smaller set
+explains as much.
 
-Larger models that merit a fit: the effects that promise most, or sets of them, given those that are there.
-
-A screening (`diagnosis.screening`) puts effects and places in an order; the first few are fitted. Sets
-of two or three are fitted only where no smaller one explains all, of three only if they go where adding to a
-smaller set does not lead.
+A mass or a stiffness that is far off shifts the frequency of a vibration, and within some periods the model
+is out of phase: linearisation then fails. Static deflections and torques remain nearly linear. Moving
+averages of the residuals, in which vibrations hardly show, are therefore screened too.
 """
 
 from __future__ import annotations
@@ -29,12 +27,12 @@ from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.refinement import multi_start
-from flexarm.diagnosis.screening import NONE, Probed, Share, screen, sharpened, together
+from flexarm.diagnosis.screening import NONE, Probed, Share, rescreened_at_size, screen, screen_sets
 from flexarm.named_effects import Place
 
 
 def slow_part(problem: Problem) -> Callable[[Floats], Floats]:
-    """Averages columns of residuals over `low_pass` seconds, channel by channel; poses stay as they are."""
+    """Return a function that averages columns of residuals over `low_pass` seconds, channel by channel."""
     windows = []
     for each, where in problem.channels():
         if problem.records[each.record].kind == "motion" and len(each.time) > 1:
@@ -72,9 +70,9 @@ def fit_singles(
 ) -> list[Fit]:
     """Return fits of the most promising candidates, given the effects of `best`.
 
-    Where all leave a gap, so are those that explain most at low frequency, at the first step as many more as
-    the screening puts behind the first, and a backlash from other starts. `places` are joints that are one
-    place of the machine; `found` are as large and fitted already.
+    Where all leave a gap, candidates that explain most at low frequency are fitted too, at the first step
+    those of the second rank, and a backlash from other starts. `places` are joints that are one place of the
+    machine; `found` are fits of the same size.
     """
     policy = criteria.policy
     at_ends = not found or not criteria.adequate(best)
@@ -112,25 +110,25 @@ def triples(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit
     return [] if state.criteria.adequate(best) else fit_sets(about, state, best, 3)
 
 
-def fit_sets(estimator: Estimator, state: SearchState, beside: Fit, size: int) -> list[Fit]:
+def fit_sets(estimator: Estimator, state: SearchState, smaller: Fit, size: int) -> list[Fit]:
     """Return fits of the sets that explain most, of pairs also at low frequency where all leave a gap.
 
-    Sets of three are fitted only where adding to `beside`, the best smaller set, does not lead.
+    Sets of three are fitted only if no extension of `smaller`, the best smaller set, explains as much.
     """
     criteria, start, probed = state.criteria, state.start, state.probed
     policy = criteria.policy
-    shares = [s for s in together(estimator, probed, start, size) if s.share > policy.least_reduction]
-    ahead = size == 2 or _leads(shares, beside, policy.alike)
+    shares = [s for s in screen_sets(estimator, probed, start, size) if s.share > policy.least_reduction]
+    ahead = size == 2 or _leads(shares, smaller, policy.alike)
     most, wanted = policy.proposals // 2, one_variant(shares, 2 * policy.proposals) if ahead else []
     found = fitted(estimator, wanted, start, criteria, most)
     if size == 2 and criteria.all_leave_gaps(found) and policy.allows("low_pass"):
-        slow = together(estimator, probed, start, size, slow_part(estimator.problem))
+        slow = screen_sets(estimator, probed, start, size, slow_part(estimator.problem))
         found += fitted(estimator, one_variant(slow, 2 * policy.proposals), start, criteria, most)
     return found
 
 
 def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
-    """Return True if a model with these effects more than the best has been fitted."""
+    """Return True if the best model with these effects added has been fitted."""
     return {*best.places, *share.places} in (set(f.places) for f in found)
 
 
@@ -142,10 +140,10 @@ def fitted(
     most: int | None = None,
     found: Sequence[Fit] = (),
 ) -> list[Fit]:
-    """Return the first that can be simulated; what promises far less is left out once one explains
-    everything.
+    """Return fits of the first that can be simulated, until one explains everything and the rest promise far
+    less.
 
-    One that does not come halfway to the best so far, those `found` before among them, is not finished.
+    A fit that does not come halfway to the best so far, those `found` included, is terminated early.
     """
     before, found = found, []
     for share in wanted:
@@ -164,7 +162,7 @@ def fitted(
 
 
 def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
-    """Return the best variant of each, the best of those."""
+    """Return the best variant of each set of places, at most `most`."""
     found: dict[tuple[tuple[str, Place], ...], Share] = {}
     for share in shares:
         found.setdefault(tuple(sorted(m.place for m in share.members)), share)
@@ -174,16 +172,16 @@ def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
 def _promising(
     estimator: Estimator, probed: Sequence[Probed], best: Fit, places: Mapping[str, str], at_ends: bool
 ) -> tuple[list[Share], list[Share]]:
-    """Single candidates: those that explain most, and others.
+    """Return single candidates: those that explain most, and others.
 
-    Where the best promises little, laws are looked at `at_ends` too.
+    Where the best promises little, the ends of priors are screened too if `at_ends`.
     """
     policy = estimator.problem.policy
     shares = one_variant(screen(estimator, probed, best, places), len(probed))
-    sharp = sharpened(estimator, shares[: 2 * policy.proposals], best)
+    sharp = rescreened_at_size(estimator, shares[: 2 * policy.proposals], best)
     at_ends = at_ends and (not sharp or sharp[0].share < policy.most_of_gap)
     if at_ends and policy.allows("prior_ends"):
-        sharp = _sharpest([*sharp, *sharpened(estimator, _at_ends(estimator, probed, best), best)])
+        sharp = _sharpest([*sharp, *rescreened_at_size(estimator, _at_ends(estimator, probed, best), best)])
     wanted = sharp[: policy.proposals]
     there = {share.places for share in wanted}
     least = policy.negligible_share
@@ -191,13 +189,13 @@ def _promising(
 
 
 def _at_ends(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[Share]:
-    """Effects of one parameter at the ends of what is plausible.
+    """Return effects of one parameter at the ends of their priors.
 
-    To first order a damping or a mass explains little of a gap that rings out of step by what it changes.
+    To first order a damping or a mass explains little of a vibration that it puts out of phase.
     """
     found = []
     for candidate in (p.candidate for p in probed):
-        if candidate.spots & best.spots or candidate.stands_on or len(candidate.free) > 1:
+        if candidate.spots & best.spots or candidate.required_place or len(candidate.free) > 1:
             continue
         (name,) = candidate.free
         with suppress(*FIT_ERRORS):
@@ -208,20 +206,20 @@ def _at_ends(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[
 
 
 def _sharpest(shares: Sequence[Share]) -> list[Share]:
-    """Return the best of each place, the best first."""
+    """Return the best candidate of each place, the best first."""
     return one_variant(sorted(shares, key=lambda share: -share.share), len(shares))
 
 
-def _leads(shares: Sequence[Share], beside: Fit, alike: float) -> bool:
-    """Return True if the best set goes where adding to a smaller one does not lead."""
+def _leads(shares: Sequence[Share], smaller: Fit, alike: float) -> bool:
+    """Return True if the best set explains more than any extension of a smaller one."""
     reached = max(
-        (s.share for s in shares if set(beside.places) <= {m.place for m in s.members}), default=0.0
+        (s.share for s in shares if set(smaller.places) <= {m.place for m in s.members}), default=0.0
     )
     return bool(shares) and 1.0 - shares[0].share < (1 - alike) * (1.0 - reached)
 
 
 def _relaxed(member: Candidate) -> Candidate:
-    """Return a spring with a typical damping: what it had may have stood in for the effect that is added."""
+    """Return a spring with a typical damping, as its own may have compensated for the added effect."""
     if not isinstance(member.effect, SpringEffect) or "damping" not in member.free:
         return member
     damping = member.effect.typical_damping * member.effect.softest

@@ -11,13 +11,13 @@ from contextlib import suppress
 
 from flexarm.arm.effect import effect_class
 from flexarm.budget import allows
-from flexarm.diagnosis.candidate import carries
+from flexarm.diagnosis.candidate import is_required
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.confounding import confounding
 from flexarm.diagnosis.moves.families import families
 from flexarm.diagnosis.moves.proposals import fit_singles, pairs, singles, triples
-from flexarm.diagnosis.moves.search_state import Move, SearchState, new_springs
+from flexarm.diagnosis.moves.search_state import Move, SearchState, newly_soft_joints
 
 
 def shapes(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
@@ -36,17 +36,17 @@ def shapes(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]
 
 
 def twin_spring(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
-    """Propose laws in the joint of a spring that elsewhere fits as well as in the best model.
+    """Propose laws at the joint of a spring, if the spring fits there as well as in the best model.
 
-    Friction of a soft joint shows given that spring, not given a base that gives way in its place.
+    Friction of a soft joint shows given that spring, not given a soft base in its place.
     """
     limit = (1 + state.criteria.policy.alike) * best.cost
     twins = [f for f in state.tried if f.cost < limit and _one_spring_apart(f, best)]
     if not twins or not state.criteria.leaves_gap(best):
         return []
     twin = min(twins, key=lambda f: f.cost)
-    joints = new_springs(twin) - new_springs(best)
-    laws = [p for p in state.awake(twin, about) if p.candidate.at in joints]
+    joints = newly_soft_joints(twin) - newly_soft_joints(best)
+    laws = [p for p in state.with_new_springs(twin, about) if p.candidate.at in joints]
     laws = [p for p in laws if p.candidate.effect.acts_through_spring()]
     return fit_singles(about, laws, twin, state.criteria) if laws else []
 
@@ -66,7 +66,7 @@ def spring_swap(state: SearchState, best: Fit, about: Estimator, found: Sequence
     for k, spring in enumerate(best.members):
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         for candidate in springs.values():
-            if not spring.effect.is_spring or candidate.spots & best.spots or carries(others, spring):
+            if not spring.effect.is_spring or candidate.spots & best.spots or is_required(others, spring):
                 continue
             with suppress(*FIT_ERRORS):
                 swapped.append(about.trial((candidate.acting_as(spring) or candidate, *others), best, limit))

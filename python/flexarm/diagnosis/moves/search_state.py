@@ -27,28 +27,28 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, nulls, value_of
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
-from flexarm.diagnosis.screening import LONGER, Probed, in_proportion
+from flexarm.diagnosis.screening import LONGER, Probed, linear_response
 from flexarm.named_effects import Place
 
 
-def new_springs(fit: Fit) -> frozenset[str]:
-    """Joints that are rigid in the nominal model and have a spring in a fit."""
+def newly_soft_joints(fit: Fit) -> frozenset[str]:
+    """Return joints that are rigid in the nominal model and have a spring in a fit."""
     return frozenset(at for m in fit.members if _softens_a_joint(m) for _, at in m.spots)
 
 
-def awakened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
-    """Return the same probes, those of laws through the new springs of a fit about its model."""
-    joints = new_springs(fit)
+def probed_through_springs(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
+    """Return probes in which laws that act through new springs of a fit are simulated about its model."""
+    joints = newly_soft_joints(fit)
     sleeping = [p for p in probed if p.candidate.effect.acts_through_spring() and p.candidate.at in joints]
     if not sleeping:
         return list(probed)
     coarse = replace(estimator, problem=estimator.problem.with_step(LONGER * estimator.problem.step))
-    found = {id(each): probed_beside(coarse, each, fit) for each in sleeping}
+    found = {id(each): probed_about(coarse, each, fit) for each in sleeping}
     return [found.get(id(each), each) for each in probed]
 
 
-def probed_beside(estimator: Estimator, probed: Probed, fit: Fit) -> Probed:
-    """Return a candidate about a model; as it was where that cannot be simulated."""
+def probed_about(estimator: Estimator, probed: Probed, fit: Fit) -> Probed:
+    """Return a candidate probed about a model; unchanged where that cannot be simulated."""
     problem = estimator.problem
     with suppress(*FIT_ERRORS):
         arm = estimator.with_effects(fit.members)
@@ -66,15 +66,14 @@ def _softens_a_joint(member: Candidate) -> bool:
 
 
 SMALL = 1e-3
-"""Part of a probe that is a small step; at 0.03 a spring in a joint that was rigid bends too much."""
+"""Part of a probe that is a small step; 0.03 is too nonlinear for the spring of a rigid joint."""
 
 
-def nearby(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
-    """Return the same candidates, probed about the model of a fit; as they were where that cannot be
-    simulated.
+def rescreened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
+    """Return the same candidates, probed about the model of a fit; unchanged where that cannot be simulated.
 
-    A law on a spring that the fit has not comes with that spring, and stays as it was. Small steps of a
-    spring are of one variant; softer ones, which move modes by themselves, are no small steps.
+    A law that requires a spring which the fit lacks is unchanged. Small steps of a spring are of one variant;
+    softer ones are probed at full size.
     """
     coarse = replace(estimator, problem=estimator.problem.with_step(LONGER * estimator.problem.step))
     there = {None, *fit.spots}
@@ -82,14 +81,14 @@ def nearby(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Pro
     smooth: dict[int, Probed] = {}
     for each in probed:
         candidate = each.candidate
-        moves = in_proportion(candidate, fit.nuisance.keys, fit.projection.jacobian)
+        moves = linear_response(candidate, fit.nuisance.keys, fit.projection.jacobian)
         if moves is not None:
             each = replace(each, moves=moves)
-        elif not candidate.spots & fit.spots and candidate.stands_on in there:
+        elif not candidate.spots & fit.spots and candidate.required_place in there:
             again = same_in_small_steps(candidate, [other.candidate for other in smooth.values()])
             small = candidate.effect.smooth and not candidate.effect.is_wave
             if again or candidate.needs is not None or not small:
-                each = probed_beside(coarse, each, fit)
+                each = probed_about(coarse, each, fit)
             else:
                 smooth[len(found)] = each
         found.append(each)
@@ -101,10 +100,7 @@ def nearby(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Pro
 
 
 def small_steps(estimator: Estimator, candidates: Sequence[Candidate], fit: Fit) -> Iterator[Probed | None]:
-    """Return derivatives by the sizes of probes about a fit, in simulations of longer steps; None without
-    any.
-
-    Each effect is the same from the model's own values.
+    """Yield derivatives with respect to the sizes of probes about a fit, in longer time steps; None if zero.
 
     Raises
     ------
@@ -125,12 +121,12 @@ def small_steps(estimator: Estimator, candidates: Sequence[Candidate], fit: Fit)
 
 
 def same_in_small_steps(candidate: Candidate, others: Sequence[Candidate]) -> bool:
-    """Return True if a candidate moves in small steps what another variant of it does."""
+    """Return True if a candidate equals another variant of it in small steps."""
     return candidate.effect.is_spring and candidate.place in {other.place for other in others}
 
 
 def _nudged(estimator: Estimator, candidate: Candidate, fit: Fit) -> list[Arm]:
-    """Models with a small part of each probe of an effect; none where one of them cannot be."""
+    """Return models with a small part of each probe of an effect; none if one is invalid."""
     arms = []
     for k in range(len(candidate.probes)):
         with suppress(*FIT_ERRORS):
@@ -140,10 +136,9 @@ def _nudged(estimator: Estimator, candidate: Candidate, fit: Fit) -> list[Arm]:
 
 
 def _from(candidate: Candidate, there: Arm) -> Candidate:
-    """Return the same from a model's own values, where an effect states what a fit has elsewhere than it is
-    stated.
+    """Return a candidate with probes counted from the values of a model, if a fit has moved these.
 
-    A small step of a load's mass would else begin with all that the fit has moved it.
+    Otherwise a small step of a load's mass would include all that the fit has moved it.
     """
     without = there.effect(candidate.name, candidate.effect.at)
     null = nulls(candidate.effect, without, there)
@@ -172,11 +167,11 @@ class SearchState:
     criteria : Criteria
         What is accepted.
     places : dict of str to str
-        Joints that are one place of the machine.
+        Pairs of joints that are one place of the machine.
     tried : list of Fit
         All fits so far.
     complete : Fit or None
-        A model beside which nothing was accepted.
+        A model to which no further effect was accepted.
     """
 
     probed: Sequence[Probed]
@@ -187,27 +182,27 @@ class SearchState:
     places: dict[str, str]
     tried: list[Fit] = field(default_factory=list)
     complete: Fit | None = None
-    _awake: dict[frozenset[str], Sequence[Probed]] = field(default_factory=dict)
-    _near: dict[frozenset[tuple[str, Place]], Sequence[Probed]] = field(default_factory=dict)
+    _with_springs: dict[frozenset[str], Sequence[Probed]] = field(default_factory=dict)
+    _rescreened: dict[frozenset[tuple[str, Place]], Sequence[Probed]] = field(default_factory=dict)
 
     def candidates(self, fit: Fit, about: Estimator) -> Sequence[Probed]:
         """Return candidates given the effects of a fit, screened about it where more is to be explained."""
         criteria = self.criteria
         if not fit.members or criteria.adequate(fit) or not criteria.policy.allows("rescreening"):
-            return self.awake(fit, about)
+            return self.with_new_springs(fit, about)
         places = frozenset(fit.places)
-        if places not in self._near:
-            self._near[places] = nearby(about, self.probed, fit)
-        return self._near[places]
+        if places not in self._rescreened:
+            self._rescreened[places] = rescreened(about, self.probed, fit)
+        return self._rescreened[places]
 
-    def awake(self, fit: Fit, about: Estimator) -> Sequence[Probed]:
+    def with_new_springs(self, fit: Fit, about: Estimator) -> Sequence[Probed]:
         """Return candidates with those that act through new springs of a fit screened about it."""
-        joints = new_springs(fit)
+        joints = newly_soft_joints(fit)
         if not joints:
             return self.probed
-        if joints not in self._awake:
-            self._awake[joints] = awakened(about, self.probed, fit)
-        return self._awake[joints]
+        if joints not in self._with_springs:
+            self._with_springs[joints] = probed_through_springs(about, self.probed, fit)
+        return self._with_springs[joints]
 
 
 Move = Callable[[SearchState, Fit, Estimator, Sequence[Fit]], list[Fit]]
