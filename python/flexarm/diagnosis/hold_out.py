@@ -348,7 +348,8 @@ def residual_outliers(rest: Floats, problem: Problem) -> NDArray[np.bool_]:
             continue
         size = np.abs(off)
         least = problem.policy.outlier
-        far = ((size > least * np.maximum(1.0, usual)) & (size > AROUND * nearby(size)))[:, 0]  # eq. (2)
+        far = (size > least * np.maximum(1.0, usual))[:, 0]  # eq. (2)
+        far[far] = (size[far] > AROUND * nearby(size, np.flatnonzero(far)))[:, 0]
         if far.any() and record.signals[each.signal].quantity not in SMOOTH:
             far &= beyond_range_of_others(values, far)
         if far.mean() < MOST:

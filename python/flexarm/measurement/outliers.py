@@ -50,7 +50,8 @@ def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
     if not np.any(np.abs(off) > limit):  # what most signals are spared
         return found
     size = np.minimum(np.abs(off), deviation_from_parabolas(residual[rows]))
-    found[rows] = np.any(size > np.maximum(limit, NEARBY * nearby(size)), axis=1)
+    far = np.flatnonzero(np.any(size > limit, axis=1))
+    found[rows[far]] = np.any(size[far] > np.maximum(limit, NEARBY * nearby(size, far)), axis=1)
     return found
 
 
@@ -62,10 +63,13 @@ def beyond_range_of_others(residual: Floats, rows: NDArray[np.bool_]) -> NDArray
     return np.asarray(np.any(np.abs(residual - middle) > 2 * ranges * usual, axis=1))
 
 
-def nearby(size: Floats) -> Floats:
-    """Return the size that most rows around each row do not exceed, shape (n, channels), n above `AROUND`."""
+def nearby(size: Floats, rows: NDArray[np.intp]) -> Floats:
+    """Return the size that most rows around each of `rows` do not exceed, shape (rows, channels).
+
+    `size` (n, channels) has more than `AROUND` rows.
+    """
     edge = np.pad(size, ((AROUND, AROUND), (0, 0)), mode="reflect")
-    windows = np.lib.stride_tricks.sliding_window_view(edge, 2 * AROUND + 1, axis=0)
+    windows = np.lib.stride_tricks.sliding_window_view(edge, 2 * AROUND + 1, axis=0)[rows]
     return np.asarray(np.quantile(np.delete(windows, AROUND, axis=-1), MOST_OF_THEM, axis=-1))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from flexarm.arguments import ARRAY, COUNT, NAME_TUPLE, NUMBER, NUMBERS, TEXT, h
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.quantities import FRAMED, QUANTITIES, Quantity, channel_names
+from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.tables.ranges import first_beyond, out_of_range, range_of
 
 
@@ -229,6 +231,11 @@ class Signal:
         return tuple(
             name for name, column in zip(names, self.values.T, strict=True) if not np.isfinite(column).any()
         )
+
+    @cached_property
+    def grid_step(self) -> float:
+        """Greatest quantisation step of the channels, as two readings show it; 0 where there is none."""
+        return max(quantisation_step(column, fewest=2) for column in self.values.T)
 
     @property
     def rate_hz(self) -> float:

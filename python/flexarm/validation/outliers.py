@@ -110,17 +110,17 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
         limit = max(
             POLICY.drive_spike_noises * noise, usual, least, POLICY.spike_counts * quantisation_step(samples)
         )
-        found[rows] = nearest > np.maximum(
-            limit, POLICY.edge_ratio * _neighbouring_third_differences(samples[rows])
-        )
+        far = np.flatnonzero(nearest > limit)
+        around = _neighbouring_third_differences(samples[rows], far)
+        found[rows[far]] = nearest[far] > POLICY.edge_ratio * around
     return found
 
 
-def _neighbouring_third_differences(y: Floats) -> Floats:
-    """Return medians of the third differences (1) on both sides of every sample, shape (n,)."""
+def _neighbouring_third_differences(y: Floats, at: NDArray[np.intp]) -> Floats:
+    """Return medians of the third differences (1) on both sides of the samples `at`, in their shape."""
     third = np.pad(np.abs(np.diff(y, 3)), AROUND + 4, constant_values=np.nan)  # k is now k + AROUND + 4
     windows = np.lib.stride_tricks.sliding_window_view(third, AROUND)
-    before, after = windows[1 : 1 + len(y)], windows[AROUND + 5 : AROUND + 5 + len(y)]
+    before, after = windows[at + 1], windows[at + AROUND + 5]
     return np.asarray(np.nanmedian(np.concatenate([before, after], axis=1), axis=1))
 
 
@@ -152,14 +152,12 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     if not len(rows):
         return found
     size = np.minimum(np.abs(off), deviation_from_parabolas(residual[rows]))
-    limit = np.maximum(
-        np.maximum(POLICY.spike_noises * noise, POLICY.spike_spread * usual), NEARBY * nearby(size)
-    )
-    limit[[0, 1, -2, -1]] *= POLICY.edge_ratio
-    found[rows] = np.any(
-        size > np.maximum(limit, POLICY.unusual_ratio * np.broadcast_to(ringing, residual.shape)[rows]),
-        axis=1,
-    )
+    least = np.maximum(POLICY.spike_noises * noise, POLICY.spike_spread * usual)
+    far = np.flatnonzero(np.any(size > least, axis=1))
+    limit = np.maximum(least, NEARBY * nearby(size, far))
+    limit[(far < 2) | (far >= len(rows) - 2)] *= POLICY.edge_ratio
+    here = POLICY.unusual_ratio * np.broadcast_to(ringing, residual.shape)[rows[far]]
+    found[rows[far]] = np.any(size[far] > np.maximum(limit, here), axis=1)
     return found
 
 

@@ -28,6 +28,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.sizes import implausible_sizes
+from flexarm.arrays import Floats
 from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
 from flexarm.comparison.simulated_record import SimulatedRecord
@@ -132,15 +133,22 @@ def _step(channel: Channel) -> tuple[float, float, float, str]:
     Q = np.linalg.qr(A)[0]
     e = channel.measured - Q @ (Q.T @ channel.measured)
     whole = float(e @ e) or 1.0
-    best = (0.0, 0.0, 0.0, channel.label)
-    for at in np.linspace(channel.time[0], channel.time[-1], POLICY.clock_step_times + 2)[2:-2]:
-        late = np.where(channel.time > at, rate, 0.0)
-        late = late - Q @ (Q.T @ late)
-        size = float(late @ late)
-        if size > 0:
-            step = float(late @ e) / size
-            best = max(best, (step**2 * size / whole, step, float(at), channel.label))
-    return best
+    instants = np.linspace(channel.time[0], channel.time[-1], POLICY.clock_step_times + 2)[2:-2]
+    first = np.searchsorted(channel.time, instants, side="right")
+
+    def after(rows: Floats) -> Floats:
+        """Return the sums of the rows after each instant."""
+        sums = np.cumsum(rows, axis=0)
+        return np.asarray(sums[-1] - sums[first - 1])
+
+    squares = after(rate**2)
+    size = squares - np.sum(after(rate[:, None] * Q) ** 2, axis=1)  # of the step that Q does not explain
+    size[size <= 1e-12 * squares] = np.inf
+    along = after(rate * e)
+    step = along / size
+    share = step * along / whole
+    k = int(np.argmax(share))
+    return float(share[k]), float(step[k]), float(instants[k]), channel.label
 
 
 def remarks_on_stamps(records: Mapping[str, Record]) -> list[str]:

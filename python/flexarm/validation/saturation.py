@@ -24,7 +24,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.validation.channel import QUASI_STATIC, Channel, fit_at_gain
 from flexarm.validation.finding import ChannelFinding, cost, log_bayes
 from flexarm.validation.policy import POLICY
@@ -38,12 +37,12 @@ def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> 
     moves = max(10 * noise, POLICY.plateau_motion * float(np.std(p)), least)
     fewest = rows_to_move(p, moves)
     found = exact = repeats(y)
-    if noise > 0 and stays_within(y, 6 * noise, fewest).any():
+    noisy = constant_runs(y, 6 * noise, fewest) if noise > 0 else []
+    if noisy:
         taken = np.zeros(len(y) + 1, dtype=int)
         for first, last in exact:
             taken[first + 1 : last + 1] = 1
         taken = np.cumsum(taken)
-        noisy = constant_runs(y, 6 * noise)
         found = [*exact, *((i, j) for i, j in noisy if taken[i] == taken[j])]
     return [(i, j) for i, j in found if j - i >= fewest and moved(p, driven, (i, j)) >= moves]
 
@@ -81,11 +80,11 @@ def repeats(y: Floats) -> list[Run]:
     return [(int(i), int(j)) for i, j in zip(firsts[long], lasts[long], strict=True)]
 
 
-def constant_runs(y: Floats, width: float) -> list[Run]:
-    """Return the longest runs of rows that stay within `width`, from the left."""
+def constant_runs(y: Floats, width: float, fewest: int = POLICY.min_plateau_rows) -> list[Run]:
+    """Return the longest runs of at least `fewest` rows that stay within `width`, from the left."""
     if width == 0:
         return repeats(y)
-    begins = np.flatnonzero(stays_within(y, width, POLICY.min_plateau_rows))
+    begins = np.flatnonzero(stays_within(y, width, fewest))
     found: list[Run] = []
     k = 0
     while k < len(begins):
@@ -205,7 +204,7 @@ def _steps(channel: Channel) -> float:
 
     Channels of one sensor have one grid: one that shows a single count does not tell it.
     """
-    return POLICY.plateau_steps * max(quantisation_step(y, fewest=2) for y in channel.signal.values.T)
+    return POLICY.plateau_steps * channel.signal.grid_step
 
 
 def find_frozen(channel: Channel) -> tuple[Rows, str] | None:

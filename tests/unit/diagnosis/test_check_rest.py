@@ -5,15 +5,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.validation.saturation import find_frozen
+from flexarm.record import Signal
+from flexarm.validation.saturation import constant_runs, find_frozen
 
 TIME = np.arange(0.0, 10.0, 0.01)
 
 
-def channel(driven, predicted, quantity="deflection"):
+def channel(driven, predicted):
     """Readings to a millimetre that follow a prediction for five seconds and then stay where they are."""
     follows = np.round(np.where(TIME < 5.0, predicted, 0.03), 3)
-    signal = SimpleNamespace(noise_std=2.9e-4, values=follows[:, None], quantity=quantity, unit="m")
+    signal = Signal(
+        name="tip", quantity="deflection", time=TIME, values=follows, noise_std=2.9e-4, axes=("y",)
+    )
     return SimpleNamespace(
         signal=signal, measured=follows, predicted=predicted, driven=driven, time=TIME, label="tip y"
     )
@@ -36,3 +39,12 @@ def test_a_sensor_that_stays_while_the_drive_moves_is_frozen(swinging):
     assert rows[TIME >= 5.0].all()
     assert rows[TIME < 5.0].sum() < 10
     assert "repeats a value" in sentence
+
+
+def test_noisy_runs_are_as_long_as_readings_stay_whatever_precedes_them():
+    """Readings creep by less than the width before they stand: no short run may take their first rows."""
+    creeping, standing = np.linspace(0.0, 1.0, 10), np.full(30, 1.0)
+    y = np.concatenate([creeping, standing, 1.0 + creeping[1:]])
+    found = constant_runs(y, 0.25, fewest=20)
+    assert found == [(7, 40)]
+    assert all(np.ptp(y[i:j]) <= 0.25 for i, j in found)
