@@ -135,7 +135,7 @@ class Criteria:
 
     def leaves_most(self, fit: Fit) -> bool:
         """Return True if a model leaves most of the gap without effects, or of the conflict if no gap."""
-        most = self.policy.most_of_gap
+        most = self.policy.halfway
         if not beyond_noise(fit) > most * beyond_noise(self.null):
             return False
         return self.conflict(fit) > most * self.conflict(self.null) or self.leaves_gap(fit)

@@ -39,6 +39,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import exp, lgamma, log, pi, sqrt
+from typing import ClassVar
 
 import numpy as np
 
@@ -148,11 +149,14 @@ class EffectFamily(Candidate):
         Of the members' parameters that are alike, by their names.
     shared : bool
         True if the members have one value of each parameter.
+    least_places : int
+        Least places of a family: two are a pair of effects.
     """
 
     members: tuple[Candidate, ...] = ()
     hierarchy: Mapping[str, HierarchicalPrior] = field(default_factory=dict)
     shared: bool = False
+    least_places: ClassVar[int] = 3
 
     @classmethod
     def of(

@@ -182,7 +182,7 @@ def named_effects(
         near = [rival for rival in rivals if rival.within_reach]
         odds = [min(p, policy.most_certain) for p in probabilities(near, choice.needed[k])]
         moving = [drift for drift in drifts if _moves(drift, member)]
-        first = min(odds[0], policy.doubtful) if moving or coarse else odds[0]
+        first = min(odds[0], 0.5) if moving or coarse else odds[0]
         if open_gap:
             first = min(first, choice.shares[k])
         alternatives = tuple(

@@ -80,13 +80,9 @@ class SelectionPolicy:
 
     # Stopping
     most_effects: int = 12
-    """Effects, families counted once, and swaps in a search [1]: a budget, as each takes a round of fits."""
-    most_of_gap: float = 0.5
-    """Part of the gap [-]: two effects explain it for a third, the best screened one for no more starts."""
+    """Effects, families counted once, swaps and rounds of a search [1]: a budget, as each takes fits."""
     hardly_helps: float = 0.15
     """Part of gap and conflict [-] that a first effect explains for a second; blind cases: 0.31 or more."""
-    rounds: int = 2
-    """Times that the search goes forward and backward [1]: what was dropped made room once."""
     model_errors: float = 4.0
     """Mean square over the noise [-] below which input noise and time steps may be all of the gap."""
 
@@ -94,15 +90,11 @@ class SelectionPolicy:
     moves: tuple[str, ...] = MOVES
     """Steps of the search, of `MOVES`."""
     proposals: int = 6
-    """Candidates fitted in a step [1], half as many sets: screening is right in its first few."""
+    """Candidates fitted in a step [1], half as many sets or families: screening is right in its first few."""
     more_proposals: int = 4
     """Candidates fitted more [1], screened at low frequency or in conflict with priors."""
     among: int = 16
     """Places of which all triples are screened [1], and half as many from pairs: time grows as the cube."""
-    families: int = 3
-    """Families fitted in a step [1]: each costs as many fits as it has places."""
-    family_places: int = 3
-    """Least places of a family [1]: two are a pair of effects."""
     family_spread: float = 1.0
     """Prior spread [-] of ln(size) in a family: a factor e, as base and wrist of an arm differ."""
     family_count: float = 2.0
@@ -112,7 +104,8 @@ class SelectionPolicy:
     faint: float = 0.3
     """Share of the best candidate's [-] below which others are not fitted once one explains all."""
     halfway: float = 0.5
-    """Way from no effect to the best fit [-] that a fit must come to be finished, or a spring to be tried."""
+    """Half of a gap [-]: what a fit must explain of the best one's part to be finished, two effects of all
+    for a third to be sought, and a model that leaves a gap of the cross-validated residual to be kept."""
     alike: float = 0.1
     """Relative difference [-] that is none: of two costs, or of a parameter between records."""
     low_pass: float = 1.0
@@ -129,8 +122,6 @@ class SelectionPolicy:
     # Answers
     most_certain: float = 0.98
     """Greatest probability of a name [-]: some mechanism is in no vocabulary."""
-    doubtful: float = 0.5
-    """Greatest probability of a name [-] in doubt: as likely as not."""
     outlier: float = 6.0
     """Distance of a masked outlier from its neighbours' median [sigma]: one row of noise in 1e7."""
 

@@ -167,7 +167,7 @@ def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = N
 def forward_and_backward(state: SearchState, about: Estimator, tell: Note) -> tuple[Fit, Estimator]:
     """Return the model to which effects were added and needless ones dropped, and the estimator about it."""
     best = state.null
-    for _ in range(state.criteria.policy.rounds):
+    for _ in range(state.criteria.policy.most_effects):
         larger, there = forward(state, best, about, tell)
         best, about = backward(state.criteria, larger, there)
         best, about = without_idle_places(state.criteria, best, about)

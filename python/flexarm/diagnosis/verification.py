@@ -96,7 +96,7 @@ def _closes(best: Fit, null: Fit, problem: Problem) -> bool:
     """Return True if a fit closes enough of the gap, also where it was not fitted, to be kept with one
     left.
     """
-    return press_rms(best, problem) < (1 - problem.policy.most_of_gap) * press_rms(null, problem)
+    return press_rms(best, problem) < (1 - problem.policy.halfway) * press_rms(null, problem)
 
 
 Gaps = Mapping[str, Comparison]

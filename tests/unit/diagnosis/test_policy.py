@@ -23,6 +23,10 @@ def test_a_threshold_that_cannot_be_is_refused_by_name(changes, message):
         SelectionPolicy(**changes)
 
 
+def test_a_policy_has_at_most_35_thresholds():
+    assert len(SelectionPolicy.__dataclass_fields__) - 1 <= 35  # without the names of moves
+
+
 def test_a_policy_of_another_type_is_refused_before_any_work(model_file: Path):
     arm = flexarm.Arm.from_toml(model_file)
     with pytest.raises(InvalidParameter, match=r"policy: must be a SelectionPolicy"):

@@ -33,9 +33,9 @@ def families(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fi
         return []
     probed = probed_families(about, state.candidates(best, about))
     here = best if best.members else state.start
-    shares = one_variant(screen(about, probed, here), 2 * policy.families)
+    shares = one_variant(screen(about, probed, here), policy.proposals)
     more = fitted(
-        about, rescreened_at_size(about, shares, here)[: policy.families], here, criteria, found=found
+        about, rescreened_at_size(about, shares, here)[: policy.proposals // 2], here, criteria, found=found
     )
     return more + _in_place_of_singles(
         about, probed, best, criteria.early_stop([best, *found, *more], state.null, policy.halfway)
@@ -65,8 +65,8 @@ def _thinned(criteria: Criteria, whole: Fit, family: EffectFamily, about: Estima
             best = fewer
             [left] = [m for m in best.members if isinstance(m, EffectFamily) and m.spots < family.spots]
     sure = [m for m in left.members if m.effect.at in clear]
-    if len(sure) < policy.family_places:
-        few = len(left.members) < policy.family_places
+    if len(sure) < EffectFamily.least_places:
+        few = len(left.members) < EffectFamily.least_places
         singles = _fitted(about, (*rest, *(left.members if few else sure)), best)
         least = policy.family_leave * (len(family.members) - len(sure))
         if singles and (few or log_bayes_factor(singles, whole, criteria.problem) > least):
@@ -88,7 +88,7 @@ def probed_families(estimator: Estimator, probed: Sequence[Probed]) -> list[Prob
         family = family_of(
             [p.candidate for p in alike], estimator.arm, policy.family_spread, policy.family_count
         )
-        if len(alike) >= policy.family_places and family is not None:
+        if len(alike) >= EffectFamily.least_places and family is not None:
             moves = [p.moves for p in alike]
             found.append(Probed(family, np.sum(moves, axis=0) if family.shared else np.hstack(moves)))
     return found

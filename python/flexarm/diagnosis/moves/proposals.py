@@ -179,7 +179,7 @@ def _promising(
     policy = estimator.problem.policy
     shares = one_variant(screen(estimator, probed, best, places), len(probed))
     sharp = rescreened_at_size(estimator, shares[: 2 * policy.proposals], best)
-    at_ends = at_ends and (not sharp or sharp[0].share < policy.most_of_gap)
+    at_ends = at_ends and (not sharp or sharp[0].share < policy.halfway)
     if at_ends and policy.allows("prior_ends"):
         sharp = _sharpest([*sharp, *rescreened_at_size(estimator, _at_ends(estimator, probed, best), best)])
     wanted = sharp[: policy.proposals]
