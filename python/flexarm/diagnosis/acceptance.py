@@ -52,18 +52,12 @@ from flexarm.diagnosis.problem import Problem
 
 @dataclass(frozen=True)
 class Criteria:
-    """Criteria for models of one problem.
-
-    Attributes
-    ----------
-    problem : Problem
-        The records, and the policy.
-    null : Fit
-        The model without effects.
-    """
+    """Criteria for models of one problem."""
 
     problem: Problem
+    """The records, and the policy."""
     null: Fit
+    """The model without effects."""
 
     @property
     def policy(self) -> SelectionPolicy:

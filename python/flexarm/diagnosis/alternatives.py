@@ -40,28 +40,19 @@ NEARER = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Rival:
-    """An effect in the place of another one, with the rest refitted.
-
-    Attributes
-    ----------
-    candidate, fit : Candidate and Fit
-        The effect, and the model with it.
-    behind : float
-        Difference of log evidence to the chosen model.
-    fits_behind : float
-        The same of the likelihood alone, without priors.
-    predicts : bool
-        Whether it predicts left-out data as well, where a gap is left.
-    reach : float
-        ln B within which it is an alternative.
-    """
+    """An effect in the place of another one, with the rest refitted."""
 
     candidate: Candidate
     fit: Fit
+    """The effect, and the model with it."""
     behind: float
+    """Difference of log evidence to the chosen model."""
     fits_behind: float
+    """The same of the likelihood alone, without priors."""
     predicts: bool = True
+    """Whether it predicts left-out data as well, where a gap is left."""
     reach: float = SelectionPolicy.reach
+    """ln B within which it is an alternative."""
 
     @property
     def within_reach(self) -> bool:

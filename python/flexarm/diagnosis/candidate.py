@@ -31,33 +31,22 @@ WEIGHT = 1 / 3
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at a place, with free parameters and probes.
-
-    Attributes
-    ----------
-    effect : Effect
-        Fixed parameters at their values, free ones at typical ones.
-    free : tuple of str
-        Parameters that are fitted.
-    probes : tuple of Effect
-        The effect at plausible sizes, one for each direction of the prediction.
-    null : dict of str to float
-        Values at which the effect vanishes.
-    without : Effect or None
-        The nominal effect, if the model has it.
-    needs : Effect or None
-        An effect that it requires and the model lacks.
-    priors : dict of str to Prior
-        Priors that records or model state, in place of those of the effect.
-    """
+    """An effect at a place, with free parameters and probes."""
 
     effect: Effect
+    """Fixed parameters at their values, free ones at typical ones."""
     free: tuple[str, ...]
+    """Parameters that are fitted."""
     probes: tuple[Effect, ...]
+    """The effect at plausible sizes, one for each direction of the prediction."""
     null: Mapping[str, float]
+    """Values at which the effect vanishes."""
     without: Effect | None = None
+    """The nominal effect, if the model has it."""
     needs: Effect | None = None
+    """An effect that it requires and the model lacks."""
     priors: Mapping[str, Prior] = field(default_factory=dict)
+    """Priors that records or model state, in place of those of the effect."""
 
     @property
     def name(self) -> str:
@@ -217,27 +206,18 @@ TURN = 0.01
 
 @dataclass(frozen=True)
 class TransformedParameter:
-    """A free parameter on the scale of its prior.
-
-    Attributes
-    ----------
-    candidate : int
-        Which effect of the set.
-    name : str
-        Of the parameter.
-    prior : Prior
-        At the start of the fit.
-    smooth : bool
-        True if its law is smooth.
-    weight : float
-        Of its prior in a fit, unless that is uniform.
-    """
+    """A free parameter on the scale of its prior."""
 
     candidate: int
+    """Which effect of the set."""
     name: str
+    """Of the parameter."""
     prior: Prior
+    """At the start of the fit."""
     smooth: bool = True
+    """True if its law is smooth."""
     weight: float = WEIGHT
+    """Of its prior in a fit, unless that is uniform."""
 
     @property
     def held(self) -> float:
@@ -247,10 +227,7 @@ class TransformedParameter:
     def z(self, value: float) -> float:
         """Sigmas from the mode.
 
-        Raises
-        ------
-        InvalidParameter
-            If there is no such logarithm.
+        Raise InvalidParameter if there is no such logarithm.
         """
         if self.prior.scale == "log" and not value > 0:
             raise InvalidParameter(f"{self.name} must be positive, got {value:g} {self.prior.unit}")

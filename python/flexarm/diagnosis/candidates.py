@@ -37,15 +37,7 @@ from flexarm.residual_analysis.spectrum import periodogram
 
 
 def cardan_joints(arm: Arm, driven: Iterable[str]) -> dict[str, str]:
-    """Second joint of each cardan joint, by the first.
-
-    Parameters
-    ----------
-    arm : Arm
-        The model.
-    driven : iterable of str
-        Joints that something turns.
-    """
+    """Return the second joint of each cardan joint by the first, given the joints that are `driven`."""
     idle = {joint.name for joint in arm.joints if joint.type == "revolute"} - set(driven)
     found = {}
     for first in arm.joints:
@@ -166,18 +158,10 @@ def weighed(record: Record, payload: str) -> bool:
 def candidates(
     problem: Problem, arm: Arm, rhythm: Sequence[float] = (), softer: Sequence[float] = (1.0,)
 ) -> list[Candidate]:
-    """All that can act on these records in a model, variants of one effect one after the other.
+    """Return all effects that can act on these records in a model, variants of one effect in sequence.
 
-    Parameters
-    ----------
-    problem : Problem
-        The records.
-    arm : Arm
-        The model.
-    rhythm : sequence of float
-        Frequencies at which the gap swings [Hz]: an external vibration may have them.
-    softer : sequence of float
-        How much softer than typical springs are probed, such as `SpringEffect.softer`.
+    An external vibration may have one of the frequencies `rhythm` [Hz], at which the gap oscillates. Springs
+    are probed as much `softer` than typical ones as these factors state.
     """
     found: list[Candidate] = []
     poses = all(record.kind == "static" for record in problem.records.values())

@@ -54,22 +54,15 @@ LONGEST = 0.1
 
 @dataclass(frozen=True, eq=False)
 class TimeDiscrepancy:
-    """Eq. (1) of a channel in time.
-
-    Attributes
-    ----------
-    stretches : sequence of slice
-        Rows between pauses.
-    noise, size : float
-        r and s^2 of (1), over the stated variance.
-    length : float
-        L [samples]; 0 without a discrepancy.
-    """
+    """Eq. (1) of a channel in time."""
 
     stretches: Sequence[slice]
+    """Rows between pauses."""
     noise: float
     size: float = 0.0
+    """r and s^2 of (1), over the stated variance."""
     length: float = 0.0
+    """L [samples]; 0 without a discrepancy."""
 
     @property
     def _phi(self) -> float:
@@ -152,19 +145,13 @@ class TimeDiscrepancy:
 
 @dataclass(frozen=True, eq=False)
 class PoseDiscrepancy:
-    """Eq. (1) of a channel of poses.
-
-    Attributes
-    ----------
-    vectors, variances : ndarray, shape (n, n) and (n,)
-        Eigenvectors and eigenvalues of C.
-    log_prior : float
-        Logarithm of the prior of s, at most 0.
-    """
+    """Eq. (1) of a channel of poses."""
 
     vectors: Floats
     variances: Floats
+    """Eigenvectors and eigenvalues of C. Shape (n, n) and (n,)."""
     log_prior: float = 0.0
+    """Logarithm of the prior of s, at most 0."""
 
     def whitened(self, values: Floats) -> Floats:
         """Return values of shape (n, ...) in directions of their own, over their deviation."""

@@ -39,33 +39,22 @@ PREDICTED = 0.1
 
 @dataclass(eq=False)
 class Estimator:
-    """Records, nuisance parameters and derivatives at the nominal model, which all fits share.
-
-    Attributes
-    ----------
-    problem : Problem
-        The records.
-    nuisance : NuisanceModel
-        Clocks, frames, nominal values; its `arm` is the nominal model.
-    jacobian : ndarray
-        Derivatives of the residual by them, at `at`.
-    at : ndarray
-        Values of the nuisance parameters, from the centres of their priors.
-    correction : ndarray
-        Added to residuals: the discretisation error, at `at` or near by.
-    corrected : ndarray
-        Residual of the model that has this error.
-    members : tuple of Candidate
-        Effects of the model that derivatives are taken about.
-    """
+    """Records, nuisance parameters and derivatives at the nominal model, which all fits share."""
 
     problem: Problem
+    """The records."""
     nuisance: NuisanceModel
+    """Clocks, frames, nominal values; its `arm` is the nominal model."""
     jacobian: Floats
+    """Derivatives of the residual by them, at `at`."""
     at: Floats
+    """Values of the nuisance parameters, from the centres of their priors."""
     correction: Floats
+    """Added to residuals: the discretisation error, at `at` or near by."""
     corrected: Floats
+    """Residual of the model that has this error."""
     members: tuple[Candidate, ...] = ()
+    """Effects of the model that derivatives are taken about."""
 
     def __post_init__(self) -> None:
         self._projections: dict[frozenset[str], tuple[NuisanceModel, Projection]] = {}
@@ -213,10 +202,7 @@ class Estimator:
         A fit that would stay above the limit is not finished. The first derivatives are those of a model
         `nearby`, where that has them.
 
-        Raises
-        ------
-        NotConverged, InvalidParameter
-            If not even the start can be simulated.
+        Raise NotConverged or InvalidParameter if not even the start can be simulated.
         """
         solver = self.solver(tuple(members), nearby)
         z = solver.solve(solver.z_of(members), evaluations, tolerance, limit)
@@ -228,10 +214,7 @@ class Estimator:
 
         A family with a shared size is fitted first, then with one size each and the spread that these have.
 
-        Raises
-        ------
-        NotConverged, InvalidParameter
-            If not even the start can be simulated.
+        Raise NotConverged or InvalidParameter if not even the start can be simulated.
         """
         solver = self.solver(tuple(members), nearby)
         shares = any(member.opened() is not member for member in members)

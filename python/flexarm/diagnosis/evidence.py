@@ -116,27 +116,18 @@ def above_noise(rest: Floats, problem: Problem, non_smooth: bool = False) -> dic
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Eq. (1) of a fit, in parts.
-
-    Attributes
-    ----------
-    discrepancies : tuple of Discrepancy
-        C of each channel.
-    left : ndarray, shape (n,)
-        r at the optimum of (1).
-    log_likelihood : float
-        -(r C^-1 r + ln|C|)/2, and the priors of the discrepancies.
-    pulls : float
-        |x/sigma|^2/2 of nuisance parameters.
-    occam : float
-        The other terms: priors and ln|H|, and what effects need.
-    """
+    """Eq. (1) of a fit, in parts."""
 
     discrepancies: tuple[Discrepancy, ...]
+    """C of each channel."""
     left: Floats
+    """r at the optimum of (1). Shape (n,)."""
     log_likelihood: float
+    """-(r C^-1 r + ln|C|)/2, and the priors of the discrepancies."""
     pulls: float
+    """|x/sigma|^2/2 of nuisance parameters."""
     occam: float
+    """The other terms: priors and ln|H|, and what effects need."""
 
     def whitened(self, values: Floats, problem: Problem) -> Floats:
         """Return the root of C^-1 times values of shape (n, ...)."""
@@ -326,14 +317,8 @@ PARTS = 5
 def cross_validated_skill(fit: Fit, null: Fit, stated: Floats, problem: Problem) -> float:
     """Return (7) over all parts; 0 or less if one part is predicted worse than by the nominal model.
 
-    Parameters
-    ----------
-    fit, null : Fit
-        With effects and without.
-    stated : ndarray, shape (n,)
-        Residual of the model without effects, nominal values where they are stated.
-    problem : Problem
-        The training.
+    `fit` and `null` are the models with and without effects, `stated` (n,) is the residual of the nominal
+    model.
     """
     jacobian, residual, held = joint_jacobian(fit)
     best = np.concatenate([np.zeros(len(fit.z)), fit.projection.solve(fit.residual)])

@@ -53,25 +53,17 @@ from flexarm.named_effects import Place
 
 @dataclass(frozen=True)
 class HierarchicalPrior:
-    """Eq. (1) or (2) of one parameter.
-
-    Attributes
-    ----------
-    prior : Prior
-        Of one machine's size.
-    prior_spread, count : float
-        tau_0 and nu of (3).
-    spread : float
-        tau of (1) or (2).
-    mean : float
-        mu of (1); 0 of (2).
-    """
+    """Eq. (1) or (2) of one parameter."""
 
     prior: Prior
+    """Of one machine's size."""
     prior_spread: float
     count: float
+    """tau_0 and nu of (3)."""
     spread: float
+    """tau of (1) or (2)."""
     mean: float = 0.0
+    """mu of (1); 0 of (2)."""
 
     @classmethod
     def of(cls, prior: Prior, spread: float, count: float) -> HierarchicalPrior:
@@ -139,24 +131,16 @@ ROUNDS = 5
 
 @dataclass(frozen=True)
 class EffectFamily(Candidate):
-    """One effect at several places.
-
-    Attributes
-    ----------
-    members : tuple of Candidate
-        One a place; all else is that of the first, but for `free`.
-    hierarchy : dict of str to HierarchicalPrior
-        Of the members' parameters that are alike, by their names.
-    shared : bool
-        True if the members have one value of each parameter.
-    least_places : int
-        Least places of a family: two are a pair of effects.
-    """
+    """One effect at several places."""
 
     members: tuple[Candidate, ...] = ()
+    """One a place; all else is that of the first, but for `free`."""
     hierarchy: Mapping[str, HierarchicalPrior] = field(default_factory=dict)
+    """Of the members' parameters that are alike, by their names."""
     shared: bool = False
+    """True if the members have one value of each parameter."""
     least_places: ClassVar[int] = 3
+    """Least places of a family: two are a pair of effects."""
 
     @classmethod
     def of(
@@ -300,16 +284,9 @@ class EffectFamily(Candidate):
 
 
 def family_of(members: Sequence[Candidate], arm: Arm, spread: float, count: float) -> EffectFamily | None:
-    """Return the family of candidates that are alike but for their places; None where nothing is alike.
+    """Return the family of candidates that are alike but for their places; None if nothing is alike.
 
-    Parameters
-    ----------
-    members : sequence of Candidate
-        One a place.
-    arm : Arm
-        The model, for priors.
-    spread, count : float
-        tau_0 and nu of eq. (3) of `diagnosis.family`.
+    `spread` and `count` are tau_0 and nu of (3).
     """
     first = members[0]
     hierarchy = {

@@ -52,12 +52,7 @@ if TYPE_CHECKING:
 class Projection:
     """Projection of residuals orthogonal to nuisance parameters.
 
-    Parameters
-    ----------
-    jacobian : ndarray, shape (n, k)
-        J of (1).
-    sigma : ndarray, shape (k,)
-        Of the priors; infinite: none.
+    `jacobian` (n, k) is J of (1), `sigma` (k,) that of the priors, infinite without a prior.
     """
 
     def __init__(self, jacobian: Floats, sigma: Floats) -> None:
@@ -108,32 +103,22 @@ FIT_ERRORS = (InvalidParameter, NotConverged, LinAlgError)
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted model with a set of effects.
-
-    Attributes
-    ----------
-    members : tuple of Candidate
-        The effects, each at its optimum.
-    parameters, z : tuple of TransformedParameter and ndarray, shape (k,)
-        The fitted parameters, in sigmas of their priors.
-    residual : ndarray, shape (n,)
-        Of that model, eq. (1) of `problem`.
-    projected : ndarray, shape (n + m,)
-        The residual projected orthogonally to nuisance parameters.
-    jacobian : ndarray, shape (n, k)
-        Derivatives of `residual` by z.
-    nuisance, projection
-        The eliminated nuisance parameters, and their projection.
-    """
+    """A fitted model with a set of effects."""
 
     members: tuple[Candidate, ...]
+    """The effects, each at its optimum."""
     parameters: tuple[TransformedParameter, ...]
     z: Floats
+    """The fitted parameters, in sigmas of their priors. Shape (k,)."""
     residual: Floats
+    """Of that model, eq. (1) of `problem`. Shape (n,)."""
     projected: Floats
+    """The residual projected orthogonally to nuisance parameters. Shape (n + m,)."""
     jacobian: Floats
+    """Derivatives of `residual` by z. Shape (n, k)."""
     nuisance: NuisanceModel
     projection: Projection
+    """The eliminated nuisance parameters, and their projection."""
 
     @property
     def cost(self) -> float:

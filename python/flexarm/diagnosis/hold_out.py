@@ -58,14 +58,8 @@ SAME = 0.05
 def hold_back(record: Record, compared: Iterable[str] | None = None) -> tuple[Record, Record | None]:
     """Return a record without its held-out blocks, and one with these alone.
 
-    If either would hold nothing to compare, as of four poses, the record stays whole and the other is None.
-
-    Parameters
-    ----------
-    record : Record
-        What was measured.
-    compared : iterable of str, optional
-        Signals that the model predicts; default all.
+    If either would hold none of the signals `compared` (default: all evidence), as of four poses, the record
+    stays whole and the other is None.
     """
     fitted, held = dict(record.signals), dict(record.signals)
     for signal in _evidence(record):
@@ -79,13 +73,10 @@ def hold_back(record: Record, compared: Iterable[str] | None = None) -> tuple[Re
 
 
 def hold_out_kind(arm: Arm, training: Mapping[str, Record], held_out: Record) -> str:
-    """Return how far a held-out record lies from the training.
+    """Return "repetition", "interpolation" or "extrapolation": how far held-out data lie from the training.
 
-    Returns
-    -------
-    {"repetition", "interpolation", "extrapolation"}
-        By payloads, range and rates of the drives, and how far links were drawn out: as in one of the records
-        of training, between them, or beyond.
+    Payloads, range and rates of the drives, and lengths of links are those of one training record, between
+    training records, or beyond.
     """
     asked, known = _features(arm, held_out), _alike(arm, training, held_out)
     if not known:
@@ -105,23 +96,17 @@ def hold_out_why(arm: Arm, training: Mapping[str, Record], held_out: Record) -> 
 
 @dataclass(frozen=True)
 class _Feature:
-    """A number of a record that is compared.
-
-    Attributes
-    ----------
-    words, unit : str
-        What it is, before the number.
-    value : float
-        Its value [unit].
-    side : {-1, 0, 1}
-        On which side of known values it extrapolates: below, either, above. A smaller range is no
-        extrapolation.
-    """
+    """A number of a record that is compared."""
 
     words: str
     unit: str
+    """What it is, before the number."""
     value: float
+    """Its value [unit]."""
     side: int = 0
+    """On which side of known values it extrapolates: below, either, above. A smaller range is no
+    extrapolation.
+    """
 
     def same(self, other: _Feature) -> bool:
         """Return True if it is as in another record."""

@@ -52,16 +52,11 @@ class _FarOff(Exception):
 
 
 class LeastSquares:
-    """Rows of (1) and their derivatives, all evaluations kept.
+    """Rows of (1) and their derivatives, with all evaluations cached.
 
-    What cannot be simulated counts as so far off that a step there is taken back.
-
-    Attributes
-    ----------
-    nearby : Fit, optional
-        A model with some of the effects, of which the first derivatives are taken over.
-    given_up : bool
-        True if the fit ended early, above its limit.
+    A model that cannot be simulated counts as so far off that a step there is taken back. The first
+    derivatives are those of `nearby`, a fit with some of the effects. `given_up` is True after early
+    termination, above the limit.
     """
 
     def __init__(
@@ -89,10 +84,7 @@ class LeastSquares:
     ) -> Floats:
         """Return z at the minimum of (1) within the bounds, or where the fit was terminated early.
 
-        Raises
-        ------
-        NotConverged, InvalidParameter
-            If the start cannot be simulated.
+        Raise NotConverged or InvalidParameter if the start cannot be simulated.
         """
         from scipy.optimize import least_squares
 

@@ -266,15 +266,7 @@ def noise_remarks(problem: Problem) -> Iterator[str]:
 
 
 def unfitted_remarks(problem: Problem, compared: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """Yield a remark on each signal that a simulation predicts and of which no value is fitted.
-
-    Parameters
-    ----------
-    problem : Problem
-        Records and their rows.
-    compared : dict of str to sequence of str
-        By record the signals that the model predicts.
-    """
+    """Yield a remark on each signal, `compared` with the model by record, of which no value is fitted."""
     seen = {(rows.record, rows.signal) for rows in problem.rows}
     for record in problem.records:
         for name in compared.get(record, ()):

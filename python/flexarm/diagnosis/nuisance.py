@@ -43,28 +43,19 @@ OVER_RIPPLES, WIDEST = 0.3, 0.02
 
 @dataclass(frozen=True)
 class NuisanceParameter:
-    """A parameter that is fitted along with the effects.
-
-    Attributes
-    ----------
-    key : str
-        Parameter of the model.
-    centre, sigma : float
-        Gaussian prior [unit].
-    unit : str
-        Of both.
-    kind : {"clock", "frame", "nominal", "start", "base"}
-        A "start" is an initial vibration of a record, "base" the tilt of its base.
-    one_sign : bool
-        True if the model refuses values on the other side of zero, as of a modulus.
-    """
+    """A parameter that is fitted along with the effects."""
 
     key: str
+    """Parameter of the model."""
     centre: float
     sigma: float
+    """Gaussian prior [unit]."""
     unit: str
+    """Of both."""
     kind: Literal["clock", "frame", "nominal", "start", "base"]
+    """A "start" is an initial vibration of a record, "base" the tilt of its base."""
     one_sign: bool = False
+    """True if the model refuses values on the other side of zero, as of a modulus."""
 
     @property
     def of_record(self) -> bool:
@@ -106,18 +97,12 @@ class NuisanceParameter:
 
 @dataclass(frozen=True)
 class NuisanceModel:
-    """All nuisance parameters of a problem.
-
-    Attributes
-    ----------
-    arm : Arm
-        The model with the effects that carry them.
-    parameters : tuple of NuisanceParameter
-        In the order of the columns of a Jacobian.
-    """
+    """All nuisance parameters of a problem."""
 
     arm: Arm
+    """The model with the effects that carry them."""
     parameters: tuple[NuisanceParameter, ...]
+    """In the order of the columns of a Jacobian."""
 
     @property
     def keys(self) -> list[str]:

@@ -62,52 +62,35 @@ _Seen = WeakKeyDictionary[Any, dict[tuple[str, SensorEffects], Floats]]
 
 @dataclass(eq=False)
 class Problem:
-    """Records, and the residuals (1) of any model of the arm against them.
-
-    Attributes
-    ----------
-    arm : Arm
-        The nominal model.
-    records : dict of str to Record
-        What was measured.
-    step, alpha : float
-        Of all simulations [s], [-].
-    jobs : int
-        Number of simulations at once.
-    policy : SelectionPolicy
-        Thresholds of a search for effects.
-    placement : dict of str to Placement
-        Clocks and frames by record.
-    rows : tuple of Rows
-        The channels of which a residual consists.
-    skipped : dict of str to str
-        Signals of no use, "record: signal", and why.
-    planar : bool
-        True if the nominal arm moves in a plane in all records.
-    initial_conditions : tuple of InitialCondition
-        Possible initial vibrations of records that begin in motion.
-    tilts : tuple of UncertainTilt
-        Of the base, where records state them with a sigma.
-    simulations : SimulationCache
-        Simulations of the records.
-    evidence : WeakKeyDictionary
-        Evidence of fits, and the rows that it was computed with (`diagnosis.evidence`).
-    """
+    """Records, and the residuals (1) of any model of the arm against them."""
 
     arm: Arm
+    """The nominal model."""
     records: Mapping[str, Record]
+    """What was measured."""
     step: float = 2e-3
     alpha: float = -0.05
+    """Of all simulations [s], [-]."""
     jobs: int = 1
+    """Number of simulations at once."""
     policy: SelectionPolicy = field(default_factory=SelectionPolicy)
+    """Thresholds of a search for effects."""
     placement: dict[str, Placement] = field(init=False, default_factory=dict)
+    """Clocks and frames by record."""
     rows: tuple[Rows, ...] = field(init=False, default=())
+    """The channels of which a residual consists."""
     skipped: dict[str, str] = field(init=False, default_factory=dict)
+    """Signals of no use, "record: signal", and why."""
     planar: bool = field(init=False, default=False)
+    """True if the nominal arm moves in a plane in all records."""
     initial_conditions: tuple[InitialCondition, ...] = field(init=False, default=())
+    """Possible initial vibrations of records that begin in motion."""
     tilts: tuple[UncertainTilt, ...] = field(init=False, default=())
+    """Of the base, where records state them with a sigma."""
     simulations: SimulationCache = field(init=False)
+    """Simulations of the records."""
     evidence: WeakKeyDictionary[Any, Any] = field(init=False, default_factory=WeakKeyDictionary)
+    """Evidence of fits, and the rows that it was computed with (`diagnosis.evidence`)."""
     _residuals: OrderedDict[Any, Floats] = field(init=False, default_factory=OrderedDict)
     _stepped: dict[float, Problem] = field(init=False, default_factory=dict)
     _seen: _Seen = field(init=False, default_factory=WeakKeyDictionary)

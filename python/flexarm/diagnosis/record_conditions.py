@@ -48,23 +48,16 @@ SEEN, OWN = 3.0, 0.03
 
 @dataclass(frozen=True)
 class InitialCondition:
-    """A jerk of a joint's drive before a record.
-
-    Attributes
-    ----------
-    record, joint : str
-        Whose.
-    before, width : float
-        How long before the first sample it ends, and how long it lasts [s].
-    unit : str
-        Of its height.
-    """
+    """A jerk of a joint's drive before a record."""
 
     record: str
     joint: str
+    """Whose."""
     before: float
     width: float
+    """How long before the first sample it ends, and how long it lasts [s]."""
     unit: str
+    """Of its height."""
 
     @property
     def key(self) -> str:
@@ -135,22 +128,15 @@ def _independent(
 
 @dataclass(frozen=True)
 class UncertainTilt:
-    """One component of a stated tilt.
-
-    Attributes
-    ----------
-    record : str
-        Whose.
-    axis : {"x", "y"}
-        About which.
-    stated, sigma : float
-        As the record has it [rad].
-    """
+    """One component of a stated tilt."""
 
     record: str
+    """Whose."""
     axis: str
+    """About which."""
     stated: float
     sigma: float
+    """As the record has it [rad]."""
 
     @property
     def key(self) -> str:

@@ -55,10 +55,7 @@ def gauss_newton_step(
     Derivatives with respect to nuisance parameters are computed `anew`, or kept where they predict the step.
     A fit that would stay above the limit is terminated early.
 
-    Raises
-    ------
-    NotConverged, InvalidParameter
-        If there is no such model.
+    Raise NotConverged or InvalidParameter if there is no such model.
     """
     dz = _least(fit)
     members = members_at(fit.members, fit.parameters, fit.z + part * dz)
@@ -263,10 +260,7 @@ def refinement_step(fit: Fit, about: Estimator, anew: bool = True) -> tuple[Fit,
     The objective never rises. Derivatives with respect to nuisance parameters are computed `anew` after the
     step, or where they did not predict it.
 
-    Raises
-    ------
-    NotConverged, InvalidParameter, LinAlgError
-        If nothing can be simulated near the fit.
+    Raise NotConverged, InvalidParameter or LinAlgError if nothing can be simulated near the fit.
     """
     here, at = linearised(fit, about)
     far = predicted_decrease(here) > sigma_squared(here)

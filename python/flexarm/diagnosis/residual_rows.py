@@ -57,37 +57,25 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """The rows of (1) that belong to one channel of one signal of one record.
-
-    Attributes
-    ----------
-    record, signal : str
-        Names.
-    channel : int
-        Of the signal.
-    where : slice
-        In the vector.
-    kept : ndarray of bool, shape (n,)
-        Rows of the signal that are in it.
-    sigma : float
-        1 sigma of the noise [SI].
-    time : ndarray
-        Instants of the kept rows by the drive's clock [s], or numbers of poses.
-    input_noise : float
-        Mean square, over sigma^2, of input noise (`noise_model`).
-    discretisation_error : float
-        The same of the discretisation error of non-smooth models (`noise_model`).
-    """
+    """The rows of (1) that belong to one channel of one signal of one record."""
 
     record: str
     signal: str
+    """Names."""
     channel: int
+    """Of the signal."""
     where: slice
+    """In the vector."""
     kept: NDArray[np.bool_]
+    """Rows of the signal that are in it. Shape (n,)."""
     sigma: float
+    """1 sigma of the noise [SI]."""
     time: Floats
+    """Instants of the kept rows by the drive's clock [s], or numbers of poses."""
     input_noise: float = 0.0
+    """Mean square, over sigma^2, of input noise (`noise_model`)."""
     discretisation_error: float = 0.0
+    """The same of the discretisation error of non-smooth models (`noise_model`)."""
 
     def explained_square(self, non_smooth: bool) -> float:
         """Return the mean square, over sigma^2, of input noise, and of discretisation error of non-smooth
@@ -99,10 +87,7 @@ class Rows:
 def evidence_rows(name: str, pair: SimulatedRecord, placement: Placement, start: int) -> Iterator[Rows]:
     """Yield the rows of all channels of a record, the same for any simulation, from row `start` on.
 
-    Raises
-    ------
-    InvalidParameter
-        If the noise of poses is neither stated nor shown.
+    Raise InvalidParameter if the noise of poses is neither stated nor shown.
     """
     for signal in pair.evidence.values():
         for each in _channels(name, pair, placement, signal, start):
@@ -153,10 +138,7 @@ def _last_drive(record: Record) -> float:
 def noise_of_poses(name: str, signal: Signal, residual: Floats) -> float:
     """1 sigma of each channel of a signal of a record, from rows of one pose.
 
-    Raises
-    ------
-    InvalidParameter
-        If these are too few, or all alike.
+    Raise InvalidParameter if these are too few, or all alike.
     """
     known = np.isfinite(residual).all(axis=1)
     pose = np.asarray(signal.pose)[known]

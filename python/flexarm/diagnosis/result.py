@@ -78,14 +78,9 @@ def unpredicted(diagnosis: Diagnosis) -> HeldOutGap | None:
 def adequate_if_predicted(diagnosis: Diagnosis, no_gap: Mapping[str, float], swings: bool) -> Diagnosis:
     """Return the diagnosis, "unexplained" if it is "adequate" and held-out data contradict that.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        With held-out records before and after.
-    no_gap : dict of str to float
-        Mean square over that of the noise, by signal, of input noise and discretisation error.
-    swings : bool
-        Whether a record of training begins in motion, so that `compare` shows swings that a fit removes.
+    `no_gap` is the mean square of input noise and discretisation error over that of the noise, by signal.
+    `swings` is True if a training record begins in motion: `compare` then shows vibrations that a fit
+    removes.
     """
     d = diagnosis
     if d.verdict != "adequate":
@@ -129,18 +124,12 @@ STILL = 1e-3
 
 @dataclass(frozen=True)
 class Refinement:
-    """A refined value and its stated sigma.
-
-    Attributes
-    ----------
-    refined : Refined
-        The value.
-    sigma : float or None
-        1 sigma that the model states; None if it states none.
-    """
+    """A refined value and its stated sigma."""
 
     refined: Refined
+    """The value."""
     sigma: float | None
+    """1 sigma that the model states; None if it states none."""
 
     @property
     def moved(self) -> float:
@@ -174,14 +163,9 @@ class Refinement:
 
 
 def stated_sigma(arm: Arm, key: str) -> float | None:
-    """1 sigma that `[uncertainty]` gives a parameter: of the value itself or of the vector it is part of.
+    """Return 1 sigma of a parameter from `[uncertainty]`: of the value itself or of its vector, or None.
 
-    Parameters
-    ----------
-    arm : Arm
-        The nominal model.
-    key : str
-        The parameter, such as "points.tip.position.x"; the model's own key may end in a unit.
+    `key` is such as "points.tip.position.x"; the model's own key may end in a unit.
     """
     for given in arm.uncertainty:
         if key in {parameter.key for parameter in parameters(arm, given)}:

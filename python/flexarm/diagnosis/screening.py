@@ -55,18 +55,12 @@ class Probed:
 
 @dataclass(frozen=True, eq=False)
 class Share:
-    """The share of the residual that a set of candidates explains.
-
-    Attributes
-    ----------
-    members : tuple of Candidate
-        Of the size that explains most, ready to be fitted.
-    share : float
-        Of the squared gap, eq. (1).
-    """
+    """The share of the residual that a set of candidates explains."""
 
     members: tuple[Candidate, ...]
+    """Of the size that explains most, ready to be fitted."""
     share: float
+    """Of the squared gap, eq. (1)."""
 
     @property
     def places(self) -> tuple[tuple[str, Place], ...]:
@@ -148,18 +142,9 @@ def screen(
 ) -> list[Share]:
     """Return candidates by the share of a fit's residual that they explain, the best first.
 
-    Parameters
-    ----------
-    estimator : Estimator
-        Records, and nuisance parameters with derivatives.
-    probed : sequence of Probed
-        Candidates with the responses to their probes.
-    fit : Fit
-        Model whose residual is explained; its own parameters are refitted to first order.
-    pairs : dict of str to str
-        Joints that are one place, `candidates.cardan_joints`: a law at both is tried as one candidate.
-    seen : callable, optional
-        Linear filter of residual columns, such as `proposals.slow_part`.
+    Parameters of the fit are refitted to first order. `pairs` are joints of one place
+    (`candidates.cardan_joints`), where a law at both is one candidate. `seen` is a linear filter of residual
+    columns, such as `proposals.slow_part`.
     """
     linear = Linear(estimator, probed, fit, seen)
     sets = [(k,) for k in linear.free] + list(linear.at_both_axes(pairs))

@@ -114,31 +114,21 @@ SEARCHED, WEIGHED = 0.75, 0.9
 
 @dataclass(eq=False)
 class Choice:
-    """The selected model and its alternatives.
-
-    Attributes
-    ----------
-    null, best : Fit
-        The model without effects and the chosen one; both with nuisance parameters fitted.
-    estimator : Estimator
-        About the chosen model.
-    rivals : list of (list of Rival)
-        For each effect of `best`, the best first.
-    needed : list of float
-        ln B of the chosen model over itself without each of its effects.
-    shares : list of float
-        Part of the gap where each effect acts that it explains (`evidence.explained_share`).
-    tried : list of (Fit, float)
-        Every fit and its gain of ln Z over the nominal model.
-    """
+    """The selected model and its alternatives."""
 
     null: Fit
     best: Fit
+    """The model without effects and the chosen one; both with nuisance parameters fitted."""
     estimator: Estimator
+    """About the chosen model."""
     rivals: list[list[Rival]] = field(default_factory=list)
+    """For each effect of `best`, the best first."""
     needed: list[float] = field(default_factory=list)
+    """ln B of the chosen model over itself without each of its effects."""
     shares: list[float] = field(default_factory=list)
+    """Part of the gap where each effect acts that it explains (`evidence.explained_share`)."""
     tried: list[tuple[Fit, float]] = field(default_factory=list)
+    """Every fit and its gain of ln Z over the nominal model."""
 
     @property
     def gain(self) -> float:

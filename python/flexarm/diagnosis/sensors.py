@@ -58,24 +58,16 @@ ROUGHLY = 2.0
 
 @dataclass(frozen=True)
 class CoarseEncoder:
-    """A coarse encoder, its step and the error that it causes.
-
-    Attributes
-    ----------
-    effect : EncoderQuantisation
-        With the step that was seen.
-    over_noise : float
-        The step over the stated noise of the encoder.
-    moves : str
-        The signal with the largest error.
-    error : float
-        That error, rms over the noise.
-    """
+    """A coarse encoder, its step and the error that it causes."""
 
     effect: EncoderQuantisation
+    """With the step that was seen."""
     over_noise: float
+    """The step over the stated noise of the encoder."""
     moves: str
+    """The signal with the largest error."""
     error: float
+    """That error, rms over the noise."""
 
     def named(self, probability: float) -> NamedEffect:
         """Return the encoder as a named effect: its step is seen in the readings."""

@@ -31,16 +31,9 @@ In shorter steps a run is so much longer, and fewer are: as much as that, or one
 
 
 class SimulationCache:
-    """Runs of models in the motions and poses of some records.
+    """Cached simulations of models in the motions and poses of some records.
 
-    Attributes
-    ----------
-    records : dict of str to Record
-        What was measured.
-    step, alpha : float
-        Of all simulations [s], [-].
-    made : int
-        Number of simulations so far.
+    `step` [s] and `alpha` [-] are of all simulations, `made` is their number so far.
     """
 
     def __init__(self, records: Mapping[str, Record], step: float, alpha: float) -> None:

@@ -65,21 +65,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Estimates:
-    """Fitted values with their uncertainty.
-
-    Attributes
-    ----------
-    effects : list of tuple of Estimate
-        For each effect of the fit.
-    nuisances : tuple of Nuisance
-        Clocks and frames.
-    refined : tuple of Refined
-        Nominal values.
-    """
+    """Fitted values with their uncertainty."""
 
     effects: list[tuple[Estimate, ...]]
+    """For each effect of the fit."""
     nuisances: tuple[Nuisance, ...]
+    """Clocks and frames."""
     refined: tuple[Refined, ...]
+    """Nominal values."""
 
 
 def estimates(fit: Fit, problem: Problem, input_errors: Floats | None = None) -> Estimates:
@@ -178,16 +171,9 @@ def restore_unidentifiable(
     refined: tuple[Refined, ...],
     gaps: Callable[[Arm], Mapping[str, Comparison]],
 ) -> tuple[Arm, tuple[Refined, ...]]:
-    """Return the repaired model and its refined values, with those that the data leave open as they were.
+    """Return the updated model and its refined values, unidentifiable ones restored to nominal values.
 
-    Parameters
-    ----------
-    arm, updated : Arm
-        The nominal and the repaired model.
-    refined : tuple of Refined
-        What moved.
-    gaps : callable
-        The gap of a model by record of the training.
+    `gaps` returns the gap of a model by training record.
     """
     open_ones = [
         each for each in refined if not Refinement(each, stated_sigma(arm, each.parameter)).determined

@@ -130,22 +130,11 @@ def stages(
     before: Gaps,
     after: Gaps,
 ) -> tuple[Stage, ...]:
-    """Return the rms gap of the main signal by record, for the models from nominal to updated.
+    """Return the rms gap of the `main` signal by record, for the models from nominal to updated.
 
-    Parameters
-    ----------
-    beside : callable
-        Gaps of a model in all records.
-    arm, updated : Arm
-        The nominal and the repaired model.
-    encoders : iterable of Effect
-        Steps of encoders that were seen in the readings; with them drives are smoothed more.
-    members : iterable of Candidate
-        The effects that were found; the repaired model need not have them.
-    main : str
-        The signal.
-    before, after : dict of str to Comparison
-        The nominal and the repaired model beside all records.
+    `gaps_of` compares a model with all records. `encoders` are steps that were seen in readings; with them
+    drives are smoothed more. `members` are the effects that were found; the updated model need not have them.
+    `before` and `after` are the gaps of the nominal and the updated model.
     """
     found = [Stage("nominal", _rms(before, main))]
     model = arm
@@ -169,23 +158,16 @@ def _rms(found: Gaps, signal: str) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Bench:
-    """Records that models are compared with.
-
-    Attributes
-    ----------
-    training, held_out : dict of str to Record
-        What was fitted, and what was not.
-    step, alpha : float
-        Of the simulations [s], [-].
-    jobs : int
-        Simulations at once.
-    """
+    """Records that models are compared with."""
 
     training: Mapping[str, Record]
     held_out: Mapping[str, Record]
+    """What was fitted, and what was not."""
     step: float
     alpha: float
+    """Of the simulations [s], [-]."""
     jobs: int
+    """Simulations at once."""
 
     def in_training(self, model: Arm) -> Gaps:
         """Return the gap of a model by record that was fitted."""
@@ -211,32 +193,23 @@ def compared(pairs: Mapping[str, AlignedRecord], before: Gaps | None = None) -> 
 
 @dataclass(frozen=True, eq=False)
 class Verification:
-    """Comparison of nominal and updated model with all records.
-
-    Attributes
-    ----------
-    before, after : dict of str to Comparison
-        The nominal and the repaired model by record.
-    main_signal : str
-        The signal of the report's gap.
-    stages : tuple of Stage
-        Its gap, an effect at a time.
-    located, located_after : Localisation or None
-        Where the gap of the training lies; None where motions and poses are mixed.
-    remainder : str
-        What is seen of a gap that stays open.
-    remarks : tuple of str
-        Records of which most of a gap is aligned away; where the simulation is not clearly better than data.
-    """
+    """Comparison of nominal and updated model with all records."""
 
     before: Gaps
     after: Gaps
+    """The nominal and the repaired model by record."""
     main_signal: str
+    """The signal of the report's gap."""
     stages: tuple[Stage, ...]
+    """Its gap, an effect at a time."""
     located: Localisation | None
     located_after: Localisation | None
+    """Where the gap of the training lies; None where motions and poses are mixed."""
     remainder: str
+    """What is seen of a gap that stays open."""
     remarks: tuple[str, ...]
+    """Records of which most of a gap is aligned away; where the simulation is not clearly better than data.
+    """
 
 
 def verified(
@@ -249,18 +222,8 @@ def verified(
 ) -> Verification:
     """Return the comparison of nominal and updated model with all records.
 
-    Parameters
-    ----------
-    bench : Bench
-        The records.
-    arm, updated : Arm
-        The two models.
-    encoders : sequence of Effect
-        Steps of encoders that were seen in their readings.
-    members : sequence of Candidate
-        The effects that were chosen.
-    open_gap : bool
-        Whether what is left is to be described.
+    `encoders` are steps of encoders that were seen in readings, `members` the chosen effects. If the gap is
+    open the remainder is described.
     """
     runs, runs_after = bench.aligned(arm), bench.aligned(updated)
     before = compared(runs)

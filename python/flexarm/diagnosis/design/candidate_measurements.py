@@ -42,27 +42,18 @@ NEAR = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Addition:
-    """Something that may be added.
-
-    Attributes
-    ----------
-    words : str
-        Such as "with the motor torque of hinge logged".
-    minutes : float
-        Its cost.
-    points : tuple of Point
-        Reflectors that it needs.
-    sensors : tuple of Sensor
-        What is measured besides, in every run.
-    runs : tuple of Experiment
-        Runs that are made besides.
-    """
+    """Something that may be added."""
 
     words: str
+    """Such as "with the motor torque of hinge logged"."""
     minutes: float
+    """Its cost."""
     points: tuple[Point, ...] = ()
+    """Reflectors that it needs."""
     sensors: tuple[Sensor, ...] = ()
+    """What is measured besides, in every run."""
     runs: tuple[Experiment, ...] = ()
+    """Runs that are made besides."""
 
 
 def menu(arm: Arm, runs: Sequence[Experiment], first: Simulation) -> list[Addition]:

@@ -32,40 +32,27 @@ DRIVE_HZ = 250.0
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """A run that may be made.
-
-    Attributes
-    ----------
-    name : str
-        For people.
-    drive : Drive
-        The motion.
-    drivers : dict of str to str
-        Joints that move and the signals that show it.
-    sensors : tuple of Sensor
-        What is measured beside the drive.
-    clocks : dict of str to Clock
-        The first is that of the drive.
-    frames : dict of str to Frame
-        Of trackers.
-    payloads, links
-        What the run carries and how far links are drawn out, as in a record.
-    base : BaseStand or None
-        How the base stands, as in a record.
-    assumed : tuple of str
-        Sentences about what nobody stated.
-    """
+    """A run that may be made."""
 
     name: str
+    """For people."""
     drive: Drive
+    """The motion."""
     drivers: Mapping[str, str]
+    """Joints that move and the signals that show it."""
     sensors: tuple[Sensor, ...]
+    """What is measured beside the drive."""
     clocks: Mapping[str, Clock]
+    """The first is that of the drive."""
     frames: Mapping[str, Frame]
+    """Of trackers."""
     payloads: Mapping[str, CarriedPayload] = field(default_factory=dict)
     links: Mapping[str, DrawnLink] = field(default_factory=dict)
+    """What the run carries and how far links are drawn out, as in a record."""
     base: BaseStand | None = None
+    """How the base stands, as in a record."""
     assumed: tuple[str, ...] = ()
+    """Sentences about what nobody stated."""
 
     def run(self, arm: Arm, step: float, alpha: float) -> Simulation:
         """Return the motion of a model."""
@@ -210,18 +197,9 @@ def from_drive(
 
 
 def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] | None = None) -> Experiment:
-    """Return a record made once more: its motion, signals, rates, clocks, frames and payloads.
+    """Return a motion that repeats a record: its signals, rates, clocks, frames and payloads.
 
-    Parameters
-    ----------
-    name : str
-        For people.
-    record : Record
-        A motion.
-    arm : Arm
-        The model.
-    noise : dict of str to float, optional
-        1 sigma of signals that state none [SI].
+    `noise` is 1 sigma of signals that state none [SI].
     """
     drive = _ended(Drive.from_record(record, arm))
     drivers = {str(record.signals[d].joint): d for d in record.drive}

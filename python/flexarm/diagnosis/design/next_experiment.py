@@ -174,34 +174,21 @@ MOST = 3
 
 @dataclass(frozen=True)
 class NextExperiment:
-    """A proposed next experiment.
-
-    Attributes
-    ----------
-    sentence : str
-        For a person; empty if nothing is left to separate.
-    gain : float
-        Expected ln Bayes factor of the named effect over the nearest of its alternatives.
-    minutes : float
-        Cost, roughly.
-    """
+    """A proposed next experiment."""
 
     sentence: str = ""
+    """For a person; empty if nothing is left to separate."""
     gain: float = 0.0
+    """Expected ln Bayes factor of the named effect over the nearest of its alternatives."""
     minutes: float = 0.0
+    """Cost, roughly."""
 
 
 def next_experiment(choice: Choice, problem: Problem, unexplained: bool = False) -> NextExperiment:
-    """Return the addition to the records at hand that parts the named effects from their alternatives best.
+    """Return the addition to the records at hand that best separates named effects from alternatives.
 
-    Parameters
-    ----------
-    choice : Choice
-        What was named, and what else is within reach.
-    problem : Problem
-        The records at hand.
-    unexplained : bool
-        Whether no known effect explains the gap: then, what would describe the remainder.
+    If no known effect explains the gap (`unexplained`), it is the repetition that would describe the
+    remainder.
     """
     motions = {name: record for name, record in problem.records.items() if record.kind == "motion"}
     if unexplained:

@@ -165,10 +165,7 @@ class Plan(SavedAsDirectory):
     def effect(self, name: str, at: str) -> PlannedEffect:
         """Return an effect by name and place.
 
-        Raises
-        ------
-        KeyError
-            If it was not planned for.
+        Raise KeyError if it was not planned for.
         """
         for each in self.effects:
             if each.place == (name, at):

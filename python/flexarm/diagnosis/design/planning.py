@@ -53,20 +53,10 @@ NOTHING = 1e-3
 def planned_effect(
     candidate: Candidate, shown: Shown, seen: float, arm: Arm, signals: Mapping[str, str]
 ) -> PlannedEffect:
-    """Return an effect as it is shown, and the smallest one that is seen.
+    """Return an effect as it is shown, and the smallest one that is detected.
 
-    Parameters
-    ----------
-    candidate : Candidate
-        The effect.
-    shown : Shown
-        At which size it is shown.
-    seen : float
-        Expected ln Bayes factor over no effect at that size; eq. (2) of `separation`.
-    arm : Arm
-        The nominal model.
-    signals : dict of str to str
-        Units of signals, for effects that have that of their signal.
+    `seen` is the expected log Bayes factor at the size shown over no effect, eq. (2) of `separation`;
+    `signals` has units of signals, for effects that have that of their signal.
     """
     size = candidate.probes[shown.probe]
     own = signals.get(candidate.effect.at, "")

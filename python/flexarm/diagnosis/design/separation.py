@@ -47,21 +47,14 @@ from flexarm.record import Record
 
 @dataclass(frozen=True, eq=False)
 class Responses:
-    """Responses of rows of experiments to nuisance parameters and effects, over the noise.
-
-    Attributes
-    ----------
-    nuisance : NuisanceModel
-        Clocks, frames, nominal values.
-    jacobian : ndarray, shape (n, m)
-        Derivatives of the rows by them.
-    probed : tuple of Probed
-        Candidates and what their probes do to the rows; variants of an effect one after the other.
-    """
+    """Responses of rows of experiments to nuisance parameters and effects, over the noise."""
 
     nuisance: NuisanceModel
+    """Clocks, frames, nominal values."""
     jacobian: Floats
+    """Derivatives of the rows by them. Shape (n, m)."""
     probed: tuple[Probed, ...]
+    """Candidates and what their probes do to the rows; variants of an effect one after the other."""
 
     @property
     def effects(self) -> list[tuple[Probed, ...]]:

@@ -54,21 +54,14 @@ Strained = dict[str, tuple[Floats, float]]
 
 @dataclass(frozen=True, eq=False)
 class Takeover:
-    """An effect that does what some nuisance parameters are strained to do.
-
-    Attributes
-    ----------
-    candidate : Candidate
-        The effect.
-    alphas : ndarray
-        How much of its probes that is, to first order.
-    values : dict of str to float
-        The nuisance parameters that it takes over, and where they are.
-    """
+    """An effect that does what some nuisance parameters are strained to do."""
 
     candidate: Candidate
+    """The effect."""
     alphas: Floats
+    """How much of its probes that is, to first order."""
     values: Mapping[str, float]
+    """The nuisance parameters that it takes over, and where they are."""
 
     def member(self, times: float = 1.0) -> Candidate:
         """Return the effect of that size, or of so many times that size."""

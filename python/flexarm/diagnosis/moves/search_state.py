@@ -102,10 +102,7 @@ def rescreened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list
 def small_steps(estimator: Estimator, candidates: Sequence[Candidate], fit: Fit) -> Iterator[Probed | None]:
     """Yield derivatives with respect to the sizes of probes about a fit, in longer time steps; None if zero.
 
-    Raises
-    ------
-    NotConverged, InvalidParameter
-        If the fit itself cannot be simulated in such steps.
+    Raise NotConverged or InvalidParameter if the fit itself cannot be simulated in such steps.
     """
     problem = estimator.problem.with_step(LONGER * estimator.problem.step)
     there = estimator.with_effects(fit.members)
@@ -154,34 +151,23 @@ def _from(candidate: Candidate, there: Arm) -> Candidate:
 
 @dataclass(eq=False)
 class SearchState:
-    """State of a search.
-
-    Attributes
-    ----------
-    probed : sequence of Probed
-        Candidates, screened about the nominal model.
-    start : Fit
-        The model without effects, clocks and frames at their nominal values: first effects start there.
-    null, about_null : Fit and Estimator
-        The same about its own optimum, which larger models are compared with.
-    criteria : Criteria
-        What is accepted.
-    places : dict of str to str
-        Pairs of joints that are one place of the machine.
-    tried : list of Fit
-        All fits so far.
-    complete : Fit or None
-        A model to which no further effect was accepted.
-    """
+    """State of a search."""
 
     probed: Sequence[Probed]
+    """Candidates, screened about the nominal model."""
     start: Fit
+    """The model without effects, clocks and frames at their nominal values: first effects start there."""
     null: Fit
     about_null: Estimator
+    """The same about its own optimum, which larger models are compared with."""
     criteria: Criteria
+    """What is accepted."""
     places: dict[str, str]
+    """Pairs of joints that are one place of the machine."""
     tried: list[Fit] = field(default_factory=list)
+    """All fits so far."""
     complete: Fit | None = None
+    """A model to which no further effect was accepted."""
     _with_springs: dict[frozenset[str], Sequence[Probed]] = field(default_factory=dict)
     _rescreened: dict[frozenset[tuple[str, Place]], Sequence[Probed]] = field(default_factory=dict)
 
