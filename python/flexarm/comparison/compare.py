@@ -20,7 +20,7 @@ from flexarm.comparison.gap import SignalGap, signal_gap
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.comparison.step_check import step_notes
 from flexarm.drive.lead_in import LEAD
-from flexarm.measurement.outliers import SMOOTH, listed
+from flexarm.measurement.outliers import SMOOTH, row_list
 from flexarm.record import Record
 from flexarm.record.compatibility import unplaced_effects
 
@@ -177,7 +177,7 @@ def _about_outliers(gap: SignalGap, rows: NDArray[np.bool_]) -> str:
     if gap.gross:
         many = len(gap.gross) > 1
         return (
-            f"{len(gap.gross)} outlier{'s' * many} of {gap.name}, {listed(gap.gross)}, "
+            f"{len(gap.gross)} outlier{'s' * many} of {gap.name}, {row_list(gap.gross)}, "
             f"{'count' if many else 'counts'} neither in the alignment nor in these numbers (--raw: in all)"
         )
     return f"{int(rows.sum())} outliers of {gap.name} were not used to align, but count in these numbers"

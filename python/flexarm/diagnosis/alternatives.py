@@ -9,30 +9,95 @@ Alternatives within `SelectionPolicy.reach` of the chosen effect are indistingui
 that fits as well and is only implausible. Where the chosen model leaves a gap no name is certain.
 Alternatives are then compared by cross-validation: those that predict clearly worse are out of reach, and
 none is ahead that does not predict clearly better.
+
+**Collinear effects.** A mass that is 4 % off puts a lightly damped arm out of phase within some periods. About
+the model without the effect, in which alternatives are screened, it explains little to first order, and so do
+they. About the chosen model, with J_e the response to the effect and D that to small steps of a candidate,
+both projected orthogonally to nuisance parameters and the other effects,
+
+    R2 = |P J_e|^2 / |J_e|^2,    P = D (D^T D)^-1 D^T                                                  (2)
+
+is 1 for a candidate with the same response. It is fitted from the size at which the responses agree.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from math import exp
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from math import exp, isfinite
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexarm.arm.effect import effect_class
+from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, is_required
-from flexarm.diagnosis.collinear import collinear, out_of_step
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, predicts_better
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.proposals import one_variant
+from flexarm.diagnosis.moves.search_state import small_steps
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.refinement import ROUNDS, predicted_decrease, refinement_step
-from flexarm.diagnosis.screening import Probed, Share, rescreened_at_size, screen
+from flexarm.diagnosis.screening import LONGER, Probed, Share, rescreened_at_size, screen
+from flexarm.errors import InvalidParameter
 from flexarm.named_effects import Place
+
+
+def out_of_step(chosen: Candidate, shares: Sequence[Share], best: Fit, fewer: Fit, part: float) -> bool:
+    """Return True if screening without an effect sees less than a part of what it explains."""
+    seen = max((s.share for s in shares if s.places == (chosen.place,)), default=0.0)
+    return seen < part * (1.0 - best.cost / fewer.cost)
+
+
+def collinear(k: int, best: Fit, estimator: Estimator, probed: Sequence[Probed]) -> list[Candidate]:
+    """Return candidates of which (2) is above `confounded`, few, the highest R2 first."""
+    policy, chosen = estimator.problem.policy, best.members[k]
+    own = np.array([parameter.candidate == k for parameter in best.parameters])
+    there = {None, *best.spots}
+    found = {
+        p.candidate.place: p.candidate
+        for p in reversed(probed)
+        if p.candidate.effect.smooth
+        and not p.candidate.effect.is_wave
+        and p.candidate.needs is None
+        and p.candidate.required_place in there
+        and not p.candidate.spots & best.spots
+    }
+    ranked: list[tuple[float, Candidate]] = []
+    effect = best.jacobian[:, own] @ _away(chosen, best, own)
+    fine = replace(estimator, problem=estimator.problem.with_step(estimator.problem.step / LONGER))
+    with suppress(*FIT_ERRORS):
+        moved = small_steps(fine, [*found.values()], best)  # in the steps of the fit: longer ones ring slower
+        for candidate, steps in zip(found.values(), moved, strict=True):
+            if steps is None:
+                continue
+            columns = np.column_stack([effect, steps.moves, best.jacobian[:, ~own]])
+            rest = best.projection.project(columns)
+            sizes = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=None)[0]
+            left = rest[:, 0] - rest[:, 1:] @ sizes
+            r2 = 1.0 - float(left @ left) / max(float(rest[:, 0] @ rest[:, 0]), 1e-300)  # eq. (2)
+            if r2 > policy.confounded:
+                ranked.append((r2, candidate.at_size(sizes[: steps.moves.shape[1]].tolist())))
+    ranked.sort(key=lambda one: -one[0])
+    return [candidate for _, candidate in ranked[: policy.more_proposals]]
+
+
+def _away(chosen: Candidate, best: Fit, own: NDArray[np.bool_]) -> Floats:
+    """Return how far each parameter of the effect is from none of it, in z; 1 where that is not finite."""
+    found = []
+    for k in np.flatnonzero(own):
+        parameter, away = best.parameters[k], 1.0
+        null = chosen.null.get(parameter.name, np.nan)
+        with suppress(InvalidParameter):
+            away = float(best.z[k]) - parameter.z(null) if isfinite(null) else away
+        found.append(away)
+    return np.array(found)
+
 
 NEARER = 0.3
 """Least gain of ln Z, made or predicted, for another step of an alternative: a tenth of what decides."""

@@ -73,10 +73,10 @@ def nearby(size: Floats, rows: NDArray[np.intp]) -> Floats:
     return np.asarray(np.quantile(np.delete(windows, AROUND, axis=-1), MOST_OF_THEM, axis=-1))
 
 
-def listed(rows: Sequence[int | str], what: str = "row") -> str:
+def row_list(rows: Sequence[int | str], what: str = "row") -> str:
     """Return numbers of rows, or names of poses, as text.
 
-    >>> listed([4]), listed([1, 2, 3, 4, 5, 6])
+    >>> row_list([4]), row_list([1, 2, 3, 4, 5, 6])
     ('row 4', 'rows 1, 2, 3, 4, 5, ...')
     """
     shown = 5  # rows that are told one by one

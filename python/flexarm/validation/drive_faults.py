@@ -15,7 +15,7 @@ where they differ from 1 by more than a missing effect explains. The motion of a
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, inf, log
 from typing import Any
@@ -38,33 +38,10 @@ from flexarm.validation.drive_hypotheses import (
     similar_factors,
     unit_factors,
 )
-from flexarm.validation.finding import ChannelFinding, total_cost
+from flexarm.validation.finding import ChannelFinding, DriveFault, total_cost
 from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import simulate_records
 from flexarm.validation.policy import POLICY
-
-Values = Mapping[str, tuple[float, float, str]]
-
-
-@dataclass(frozen=True, eq=False)
-class DriveFault:
-    """Hold a fault of one drive of a record, or of all alike."""
-
-    values: Mapping[str, Values]
-    """By the names of the drives at fault the parameters of their faults."""
-    name: str
-    """Of the fault."""
-    log_bayes: float
-    """Against the best explanation without it."""
-    sentence: str
-    """Description."""
-    channels: Sequence[ChannelFinding] = ()
-    """The channels, driven by what the drive really was; empty where that is lost."""
-
-    @property
-    def key(self) -> tuple[str, tuple[str, ...]]:
-        """Return the fault and its drives."""
-        return self.name, tuple(self.values)
 
 
 @dataclass(frozen=True, eq=False)

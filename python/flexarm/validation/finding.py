@@ -14,24 +14,28 @@ with the rms residual and the penalty of the nuisance regressors (`validation.ch
 is a share of the motion that the readings show, and so the same for all explanations. A share of the motion
 that an explanation claims would favour small readings of large motions.
 
+Findings of all records are merged by sensor.
+
 Source: [Gregory2005], chapter 9: marginalising a scale parameter.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from math import exp
 from typing import Any
 
 import numpy as np
 
 from flexarm.arm.effect import Effect
-from flexarm.measurement.outliers import listed
-from flexarm.named_effects import NamedEffect, place_text
+from flexarm.measurement.outliers import row_list
+from flexarm.named_effects import Alternative, Estimate, NamedEffect, place_text
+from flexarm.quantities import channel_names
 from flexarm.record import Record
 from flexarm.validation.channel import Channel, effective_samples
 from flexarm.validation.policy import POLICY
-from flexarm.wording import with_unit
+from flexarm.wording import listed, with_unit
 
 NOTHING = 1e-12
 """Least scatter: readings and prediction may both stand at 0 [SI]."""
@@ -85,6 +89,30 @@ def total_cost(found: Sequence[ChannelFinding]) -> float:
     return sum(each.cost for each in found) + POLICY.prior_log_odds * (len(named) - len(set(named)))
 
 
+Values = Mapping[str, tuple[float, float, str]]
+
+
+@dataclass(frozen=True, eq=False)
+class DriveFault:
+    """Hold a fault of one drive of a record, or of all alike."""
+
+    values: Mapping[str, Values]
+    """By the names of the drives at fault the parameters of their faults."""
+    name: str
+    """Of the fault."""
+    log_bayes: float
+    """Against the best explanation without it."""
+    sentence: str
+    """Description."""
+    channels: Sequence[ChannelFinding] = ()
+    """The channels, driven by what the drive really was; empty where that is lost."""
+
+    @property
+    def key(self) -> tuple[str, tuple[str, ...]]:
+        """Return the fault and its drives."""
+        return self.name, tuple(self.values)
+
+
 @dataclass(frozen=True)
 class Fault(NamedEffect):
     """Hold a fault of a sensor: a `dead_channel`, `sign_error`, `unit_error` or `saturation`."""
@@ -123,8 +151,8 @@ class RemovedOutliers:
     def __str__(self) -> str:
         count = f"{len(self.rows)} outlier{'s' * (len(self.rows) > 1)}"
         size = with_unit(self.size, self.unit)
-        poses = f" ({listed(self.poses, 'pose')})" if self.poses else ""
-        return f"{count} of {self.signal} in {self.record}, {listed(self.rows)}{poses}, {size} off, removed"
+        poses = f" ({row_list(self.poses, 'pose')})" if self.poses else ""
+        return f"{count} of {self.signal} in {self.record}, {row_list(self.rows)}{poses}, {size} off, removed"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -194,3 +222,141 @@ class ValidationResult:
 
     def __repr__(self) -> str:
         return self.summary()
+
+
+@dataclass(frozen=True, eq=False)
+class RecordFindings:
+    """Hold the findings of one record."""
+
+    record: str
+    """Its name."""
+    channels: Sequence[ChannelFinding] = ()
+    """Its channels."""
+    drive: DriveFault | None = None
+    """A drive at fault."""
+    ambiguous: bool = False
+    """True if the drive explains no more than the channels do: either may be at fault."""
+
+
+@dataclass(frozen=True, eq=False)
+class _FaultEvidence:
+    """Hold one finding of a channel or drive as evidence for a fault."""
+
+    record: str
+    name: str
+    at: str
+    channel: str
+    known: tuple[str, ...]
+    log_odds: float
+    values: dict[str, tuple[float, float, str]]
+    sentence: str
+    rival: DriveFault | None = None
+
+
+def merge_findings(all_findings: Sequence[RecordFindings]) -> tuple[Fault, ...]:
+    """Return faults by sensor, most probable first."""
+    all_findings = _resolve_ambiguous(all_findings)
+    items = _one_fault_per_channel([item for findings in all_findings for item in _items(findings)])
+    keys = dict.fromkeys((item.name, item.at) for item in items)
+    faults = [_fault([item for item in items if (item.name, item.at) == key]) for key in keys]
+    return tuple(sorted(faults, key=lambda fault: -fault.probability))
+
+
+def _resolve_ambiguous(all_findings: Sequence[RecordFindings]) -> list[RecordFindings]:
+    """Resolve an ambiguous record by one that clearly shows the same fault of the drive."""
+    sure = {v.drive.key for v in all_findings if v.drive and not v.ambiguous}
+    return [
+        replace(v, ambiguous=False, channels=v.drive.channels)
+        if v.drive and v.ambiguous and v.drive.key in sure
+        else v
+        for v in all_findings
+    ]
+
+
+def _one_fault_per_channel(items: list[_FaultEvidence]) -> list[_FaultEvidence]:
+    """Keep one fault for each channel, that of the record with the highest odds."""
+    best: dict[tuple[str, str], _FaultEvidence] = {}
+    for item in items:
+        key = item.at, item.channel
+        if key not in best or item.log_odds > best[key].log_odds:
+            best[key] = item
+    return [item for item in items if item.name == best[item.at, item.channel].name]
+
+
+def _items(findings: RecordFindings) -> list[_FaultEvidence]:
+    """Return the evidence of one record."""
+    drive = findings.drive
+    found = []
+    for each in findings.channels:
+        if each.name:
+            signal = each.channel.signal
+            rival = drive if findings.ambiguous else None
+            known = channel_names(signal.quantity, signal.axes)
+            found.append(
+                _FaultEvidence(
+                    findings.record,
+                    each.name,
+                    signal.name,
+                    each.channel.name,
+                    known,
+                    each.log_bayes,
+                    dict(each.values),
+                    each.sentence,
+                    rival,
+                )
+            )
+    if drive is not None and (not findings.ambiguous or not found):
+        for at, values in drive.values.items():
+            item = findings.record, drive.name, at, "", ("",), drive.log_bayes, dict(values), drive.sentence
+            found.append(_FaultEvidence(*item))
+    return found
+
+
+def _fault(items: list[_FaultEvidence]) -> Fault:
+    """Merge all findings of one name at one signal."""
+    first = max(items, key=lambda item: item.log_odds)
+    seen = {item.channel for item in items}
+    whole = seen == set(first.known)
+    channels = () if whole else tuple(name for name in first.known if name in seen)
+    probability = float(1 / (1 + exp(-min(first.log_odds, 50.0))))
+    alternatives: tuple[Alternative, ...] = ()
+    rival = next((item.rival for item in items if item.rival is not None), None)
+    if rival is not None:
+        share = 1 / (1 + exp(-rival.log_bayes))
+        alternatives = tuple(Alternative(rival.name, at, probability * share) for at in rival.values)
+        probability *= 1 - share
+    return Fault(
+        first.name,
+        first.at,
+        probability,
+        _estimates(items),
+        alternatives,
+        _sentence(items, first),
+        channels,
+        tuple(dict.fromkeys(item.record for item in items)),
+    )
+
+
+def _estimates(items: list[_FaultEvidence]) -> tuple[Estimate, ...]:
+    """Return means of all records, weighted by inverse variances, with 90 % intervals."""
+    found = []
+    for name, (_, _, unit) in items[0].values.items():
+        pairs = np.array([item.values[name][:2] for item in items if name in item.values])
+        weights = 1 / np.maximum(pairs[:, 1], 1e-12 * np.abs(pairs[:, 0]).max() + 1e-300) ** 2
+        value = float(np.sum(weights * pairs[:, 0]) / np.sum(weights))
+        std = float(1 / np.sqrt(np.sum(weights)))
+        if len(pairs) > 1:
+            std = max(std, float(np.std(pairs[:, 0], ddof=1) / np.sqrt(len(pairs))))
+        found.append(Estimate.normal(name, value, std, unit))
+    return tuple(found)
+
+
+def _sentence(items: list[_FaultEvidence], first: _FaultEvidence) -> str:
+    """Return the most probable sentence, and the places of which the same holds."""
+    others = [item for item in items if item is not first]
+    more = dict.fromkeys(
+        f"{item.at} {item.channel}".rstrip() + (f" in {item.record!r}" if item.record != first.record else "")
+        for item in others
+    )
+    same = f"; the same holds for {listed(list(more))}" if more else ""
+    return f"in record {first.record!r} {first.sentence}{same}."

@@ -27,10 +27,9 @@ from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
 from flexarm.simulation import Progress
 from flexarm.validation.channel import Channel, channels
-from flexarm.validation.consensus import RecordFindings, merge_findings
 from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
 from flexarm.validation.drive_hypotheses import implausible_drives
-from flexarm.validation.finding import RemovedOutliers, ValidationResult
+from flexarm.validation.finding import RecordFindings, RemovedOutliers, ValidationResult, merge_findings
 from flexarm.validation.frames_and_clocks import (
     remarks_on_frames,
     remarks_on_poses,

@@ -23,9 +23,8 @@ from flexarm.arrays import Floats
 from flexarm.record import Record, Signal
 from flexarm.record.workspace import span_by
 from flexarm.validation.channel import QUASI_STATIC, Channel
-from flexarm.validation.drive_faults import DriveFault
 from flexarm.validation.drive_hypotheses import is_disturbed, is_moved_by
-from flexarm.validation.finding import ChannelFinding
+from flexarm.validation.finding import ChannelFinding, DriveFault
 from flexarm.validation.policy import POLICY
 from flexarm.validation.saturation import Run, constant_runs
 
