@@ -10,10 +10,10 @@ that fits as well and is only implausible. Where the chosen model leaves a gap n
 Alternatives are then compared by cross-validation: those that predict clearly worse are out of reach, and
 none is ahead that does not predict clearly better.
 
-**Collinear effects.** A mass that is 4 % off puts a lightly damped arm out of phase within some periods. About
-the model without the effect, in which alternatives are screened, it explains little to first order, and so do
-they. About the chosen model, with J_e the response to the effect and D that to small steps of a candidate,
-both projected orthogonally to nuisance parameters and the other effects,
+**Collinear effects.** A mass that is 4 % off puts a lightly damped arm out of phase within some periods.
+About the model without the effect, in which alternatives are screened, it explains little to first order, and
+so do they. About the chosen model, with J_e the response to the effect and D that to small steps of a
+candidate, both projected orthogonally to nuisance parameters and the other effects,
 
     R2 = |P J_e|^2 / |J_e|^2,    P = D (D^T D)^-1 D^T                                                  (2)
 

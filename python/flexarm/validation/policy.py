@@ -16,11 +16,9 @@ class ValidationPolicy:
     # evidence
     prior_log_odds: float = log(1e-3)  # [nats] log odds of a fault of a channel: one in a thousand
     clear_log_odds: float = 5.0  # [nats] a drive is at fault from this difference of costs on
-    stuck_log_odds: float = 20.0  # [nats] log odds given to a drive that stands still
+    stuck_log_odds: float = 20.0  # [nats] log odds given to a drive that does not move
     max_log_odds: float = 1e3  # [nats] no larger log odds are told apart
-    independent_samples: int = (
-        20  # [-] most independent samples of a channel: half a minute swings ten times to and fro
-    )
+    independent_samples: int = 20  # [-] most independent samples of a channel: ten swings to and fro
     min_sigmas: float = 5.0  # [sigma] a gain or a frame shift must be known to
     min_noises: float = 10.0  # [noise] a shift, a motion or a scatter above this is not noise
     unusual_ratio: float = 3.0  # [-] multiple of the usual value from which on something is unusual
@@ -43,9 +41,7 @@ class ValidationPolicy:
 
     # gains
     max_gain: float = 1.6  # [-] greatest gain, or its inverse, that a missing effect gives
-    max_loaded_gain: float = (
-        3.0  # [-] the same of quantities that bear loads, which the model knows less well
-    )
+    max_loaded_gain: float = 3.0  # [-] the same of quantities that bear loads
     max_load_gain: float = 20.0  # [-] gain that a load which is not stated may give to these
     max_unexplained: float = 0.3  # [-] greatest share of the motion that a hypothesis may leave
     negligible_share: float = 0.02  # [-] share of a motion, or of the rows, that is negligible
@@ -58,15 +54,11 @@ class ValidationPolicy:
     plateau_motion: float = 0.2  # [std] of the prediction within a plateau
     noisy_plateau_motion: float = 1.0  # [std] the same for a noisy plateau inside the range
     plateau_steps: float = 3.0  # [grid steps] the prediction moves within a plateau of counts
-    lost_share: float = (
-        0.1  # [-] share of rows that are lost from which on it is said, or the channel is dead
-    )
-    predominant_share: float = (
-        0.8  # [-] share of plateaus at the ends of a range, of squares that a clock step explains
-    )
+    lost_share: float = 0.1  # [-] share of lost rows that is reported, or makes a channel dead
+    predominant_share: float = 0.8  # [-] share of plateaus at range ends, or squares a clock step explains
 
     # clocks and stamps
-    min_clock_step: float = 3e-3  # [s] least step of a delay that is said
+    min_clock_step: float = 3e-3  # [s] least step of a delay that is reported
     clock_step_times: int = 60  # [-] instants of such a step that are tried
     pause_ratio: float = 20.0  # [-] interval over the usual one that is a pause
     smooth_rate_hz: float = 50.0  # [Hz] angles are smooth from sample to sample from this rate on
@@ -74,11 +66,9 @@ class ValidationPolicy:
 
     # frames
     min_shift: float = 5e-3  # [reach] least shift of a place
-    min_shift_part: float = 0.05  # [-] share of a shift that an axis must have to be told
+    min_shift_part: float = 0.05  # [-] share of a shift that an axis must have to be reported
     shift_agreement: float = 0.2  # [-] share of a shift to which the signals of a frame agree
-    min_motion: float = (
-        0.1  # [reach, distance from the base] least motion that shows a frame or confirms a drive
-    )
+    min_motion: float = 0.1  # [reach, distance from the base] least motion that shows a frame or drive
 
     # drives
     coarse_step: float = 1e-2  # [s] step of hypotheses: enough to tell a factor of 57 or a sign
@@ -86,27 +76,21 @@ class ValidationPolicy:
     factor_tolerance: float = 0.1  # [log] factors as near as that are the same to a motion
     factor_accuracy: float = 0.01  # [log] accuracy of a factor, to which it is told from a gear's ratio
     max_corrections: int = 3  # [-] most corrections of a factor: where it is off by much gains shrink
-    implausible_angle: float = (
-        20 * pi
-    )  # [rad] five times as far as hardly any joint goes; such runs take minutes
+    implausible_angle: float = 20 * pi  # [rad] five times as far as hardly any joint goes
     min_drive_motion: float = 1e-3  # [rad, m] standard deviation that a hypothesis must leave a drive
     similar_factors: float = 12.0  # [-] ratio of factors within which one may pass for another
-    min_standstill: float = 0.01  # [-] share of a record that a drive stands at least
-    whole_standstill: float = 0.95  # [-] share of a record from which on a drive stands all the time
+    min_standstill: float = 0.01  # [-] least share of a record at rest
+    whole_standstill: float = 0.95  # [-] share of a record at rest from which on a drive never moves
     min_swing: float = 0.05  # [reach, rad] motion of a place or angle that only a moving drive makes
 
     # outliers
     spike_noises: float = pose_outliers.NOISE  # [noise] least distance of an outlier
     spike_spread: float = pose_outliers.SPREAD  # [-] the same over the usual distance
-    max_spike_share: float = (
-        pose_outliers.MOST
-    )  # [-] most rows that are outliers; more is what the signal shows
+    max_spike_share: float = pose_outliers.MOST  # [-] most rows that are outliers; more is the signal itself
     max_spike_rows: int = 2  # [-] most outliers one after the other
     edge_ratio: float = 4.0  # [-] limit at the ends, with one parabola, and over third differences of drives
     rounding_share: float = 1e-6  # [-] share of a drive's range that is rounding
-    spike_counts: float = (
-        2.0  # [counts] of an encoder that a drive may jump by; rounding moves it by up to 4/3
-    )
+    spike_counts: float = 2.0  # [counts] that a drive may jump by; rounding moves it by up to 4/3
     vibration_period: float = 0.6  # [s] slower motions are no vibration
     vibration_step: float = 0.02  # [s] grid on which vibration is found
 
