@@ -44,6 +44,7 @@ void bind_joints(py::module_& m) {
       .value("rate", Of::rate)
       .value("torque", Of::torque)
       .value("motor_angle", Of::motor_angle)
+      .value("across", Of::across)
       .finalize();
   py::class_<MonotoneCubic>(m, "MonotoneCubic", "Monotone cubic between knots, held beyond them.")
       .def(py::init<std::vector<double>, std::vector<double>>(), py::arg("x"), py::arg("value"))
@@ -83,6 +84,9 @@ void bind_joints(py::module_& m) {
            }),
            py::kw_only(), py::arg("low"), py::arg("high"), py::arg("stiffness"), py::arg("length"),
            py::arg("damping") = 0.0);
+  py::class_<RadialClearance>(m, "RadialClearance", "Play of a pin: one of its two slides.")
+      .def(py::init([](ReducerSpring spring, int across) { return RadialClearance{spring, across}; }),
+           py::arg("spring"), py::arg("across"));
   py::class_<Transmission>(m, "Transmission",
                            "psi = phi/scale + amplitude sin(multiple phi + phase) - windup(phi).")
       .def(py::init([](double scale, double amplitude, double multiple, double phase,

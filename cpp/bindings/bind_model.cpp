@@ -76,9 +76,12 @@ void bind_model(py::module_& m) {
            py::arg("loaded") = false);
   py::class_<Hinge>(m, "Hinge", "A hinge on a spring, which nothing drives.")
       .def(py::init([](const Vector3d& axis, double stiffness, double damping,
-                       flexarm::joints::JointType type) { return Hinge{axis, stiffness, damping, type}; }),
+                       flexarm::joints::JointType type, flexarm::joints::DriveTrain::Parallel laws) {
+             return Hinge{axis, stiffness, damping, type, std::move(laws)};
+           }),
            py::kw_only(), py::arg("axis"), py::arg("stiffness"), py::arg("damping") = 0.0,
-           py::arg("type") = flexarm::joints::JointType::revolute);
+           py::arg("type") = flexarm::joints::JointType::revolute,
+           py::arg("laws") = flexarm::joints::DriveTrain::Parallel{});
   py::class_<Joint>(m, "Joint", "A joint with its drive train.")
       .def(py::init([](std::string name, flexarm::joints::JointType type, std::string parent,
                        std::string child, bool at_end, const flexarm::geometry::Frame& origin,

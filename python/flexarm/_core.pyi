@@ -54,6 +54,7 @@ __all__: list[str] = [
     "PiecewisePolynomial",
     "Point",
     "PointLoad",
+    "RadialClearance",
     "ReducedPart",
     "ReducerSpring",
     "ReductionQuality",
@@ -235,6 +236,7 @@ class LugreFriction:
     ) -> None: ...
 
 class Of(enum.Enum):
+    across = ...
     angle = ...
     motor_angle = ...
     rate = ...
@@ -318,6 +320,12 @@ class EndCushion:
         damping: typing.SupportsFloat | typing.SupportsIndex = 0.0,
     ) -> None: ...
 
+class RadialClearance:
+    """
+    Play of a pin: one of its two slides.
+    """
+    def __init__(self, spring: ReducerSpring, across: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+
 class Transmission:
     """
     psi = phi/scale + amplitude sin(multiple phi + phase) - windup(phi).
@@ -354,6 +362,7 @@ class DriveTrain:
                 | WoundSpring
                 | OilColumn
                 | EndCushion
+                | RadialClearance
             ]
         ] = [],
         motor: collections.abc.Sequence[
@@ -367,6 +376,7 @@ class DriveTrain:
             | WoundSpring
             | OilColumn
             | EndCushion
+            | RadialClearance
         ] = [],
         bearing: collections.abc.Sequence[
             ReducerSpring
@@ -379,6 +389,7 @@ class DriveTrain:
             | WoundSpring
             | OilColumn
             | EndCushion
+            | RadialClearance
         ] = [],
     ) -> None: ...
 
@@ -514,6 +525,19 @@ class Hinge:
         stiffness: typing.SupportsFloat | typing.SupportsIndex,
         damping: typing.SupportsFloat | typing.SupportsIndex = 0.0,
         type: JointType = JointType.revolute,
+        laws: collections.abc.Sequence[
+            ReducerSpring
+            | CableTorque
+            | ViscousFriction
+            | DahlFriction
+            | LugreFriction
+            | TabulatedFriction
+            | TabulatedTorque
+            | WoundSpring
+            | OilColumn
+            | EndCushion
+            | RadialClearance
+        ] = [],
     ) -> None: ...
 
 class Joint:
@@ -594,6 +618,7 @@ class Closure:
             | WoundSpring
             | OilColumn
             | EndCushion
+            | RadialClearance
         ] = [],
     ) -> None: ...
 

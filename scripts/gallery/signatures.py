@@ -23,7 +23,10 @@ from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from gallery.experiments import ENCODER, EXPERIMENTS, FAST, JOINT, LINK, NOISE, PAYLOAD, TRACKER, Experiment
 from gallery.gaps import Gap, bench
 
-NEEDED = {"external_vibration": "base_compliance"}
+NEEDED = {
+    "external_vibration": "base_compliance",
+    "joint_radial_clearance": "joint_radial_compliance",
+}
 """Effects that the model without the effect must have, at the same place, so that it can act."""
 AT = {
     "joint": JOINT,

@@ -64,8 +64,10 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
       if (hinge.laws.empty())
         laws_.push_back({joints::ReducerSpring{hinge.stiffness, hinge.damping}, at.theta, -1});
       for (const auto& law : hinge.laws) {
-        const bool alone = joints::second_argument(law) == joints::Of::torque;
-        laws_.push_back({law, at.theta, -1, alone ? -1 : at.theta});
+        const joints::Of of = joints::second_argument(law);
+        const auto* pin = std::get_if<joints::RadialClearance>(&law);
+        const int other = pin != nullptr ? at.theta + pin->across : at.theta;  // one coordinate a hinge
+        laws_.push_back({law, at.theta, -1, of == joints::Of::torque ? -1 : other});
       }
     }
   }

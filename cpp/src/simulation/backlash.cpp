@@ -23,16 +23,28 @@ void for_each_gap(const System& system, State& state, Visit&& visit) {
   }
 }
 
+/// Both coordinates of a pin with play see the other as it was before.
+void open_pins(const System& system, State& state) {
+  const Eigen::VectorXd before = state.s;
+  for (std::size_t k = 0; k < system.laws().size(); ++k) {
+    const assembly::PlacedLaw& law = system.laws()[k];
+    const auto* pin = std::get_if<joints::RadialClearance>(&law.law);
+    if (pin == nullptr) continue;
+    state.s[law.plus] *= pin->opened(before[law.plus], before[law.of]);
+    state.laws[k].flank = Flank::free;
+  }
+}
+
 }  // namespace
 
 bool has_gaps(const System& system) {
-  return std::any_of(system.laws().begin(), system.laws().end(),
-                     [](const assembly::PlacedLaw& law) { return joints::has_gap(law.law); });
+  return std::any_of(system.laws().begin(), system.laws().end(), [](const assembly::PlacedLaw& law) {
+    return joints::has_gap(law.law) || std::holds_alternative<joints::RadialClearance>(law.law);
+  });
 }
 
 void close_gaps(const System& system, State& state) {
-  for_each_gap(system, state,
-               [](const auto&, joints::LawMemory& memory, double) { memory.flank = Flank::closed; });
+  for (std::size_t k = 0; k < system.laws().size(); ++k) state.laws[k].flank = Flank::closed;
 }
 
 void open_gaps(const System& system, State& state) {
@@ -41,6 +53,7 @@ void open_gaps(const System& system, State& state) {
     const bool pushed = std::abs(torque) > no_torque * spring.stiffness * spring.gap;
     memory.flank = !pushed ? Flank::free : torque > 0 ? Flank::positive : Flank::negative;
   });
+  open_pins(system, state);
 }
 
 bool correct_flanks(const System& system, State& state, bool stable) {

@@ -74,7 +74,9 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds) {
   std::erase_if(joints_, [&](const TurningJoint& joint) {
     const int hinge = system_.constraints()[joint.constraint].coordinate();
     return std::ranges::any_of(system_.laws(), [&](const assembly::PlacedLaw& law) {
-      return law.plus == hinge && law.minus < 0 && std::holds_alternative<joints::ReducerSpring>(law.law);
+      return law.plus == hinge && law.minus < 0 &&
+             (std::holds_alternative<joints::ReducerSpring>(law.law) ||
+              std::holds_alternative<joints::RadialClearance>(law.law));
     });
   });
   if (joints_.size() > most_turning_joints) joints_.clear();

@@ -39,12 +39,15 @@ const std::vector<JointLaw> all_laws = {
     EndCushion{.low = -0.055, .high = 0.2, .stiffness = 400, .length = 0.04, .damping = 3},
     EndCushion{.low = -0.4, .high = 0.1, .stiffness = 400, .length = 0.2, .damping = 3}};
 
-const std::vector<JointLaw> laws_of_two = {TabulatedTorque{Of::motor_angle, curve},
-                                           WoundSpring{{300, 4, 2e3}, Of::torque, {table, soft, 0.01, 0.05}},
-                                           WoundSpring{{300, 4, 2e3}, Of::angle, curve},
-                                           WoundSpring{{300, 4, 2e3}, Of::rate, curve},
-                                           OilColumn{1e6, 0.02, 0.01, 1e-3, 0.05, 0.4, 4}};
-static_assert(std::variant_size_v<JointLaw> == 10, "a new law joins all_laws or laws_of_two");
+const std::vector<JointLaw> laws_of_two = {
+    TabulatedTorque{Of::motor_angle, curve},
+    WoundSpring{{300, 4, 2e3}, Of::torque, {table, soft, 0.01, 0.05}},
+    WoundSpring{{300, 4, 2e3}, Of::angle, curve},
+    WoundSpring{{300, 4, 2e3}, Of::rate, curve},
+    OilColumn{1e6, 0.02, 0.01, 1e-3, 0.05, 0.4, 4},
+    RadialClearance{{.stiffness = 300, .damping = 4, .gap = 0.2}},
+    RadialClearance{{.stiffness = 300, .damping = 4, .gap = 0.36, .fade_width = 0.05}, -1}};
+static_assert(std::variant_size_v<JointLaw> == 11, "a new law joins all_laws or laws_of_two");
 
 }  // namespace
 
@@ -207,6 +210,17 @@ TEST_CASE("A cushion resists on the way to its end only, and an oil column is st
   CHECK(k(0.1) == near(k(0.9), 1e-14));
   CHECK(k(-3) == near(k(0.1), 1e-14));
   CHECK(k(0.3) > k(0.5));
+}
+
+TEST_CASE("A pin presses on its hole along its eccentricity, and rests in the middle without a force") {
+  const RadialClearance pin{{.stiffness = 1e4, .gap = 0.02, .loose_stiffness = 1e-4}};
+  const double x = 0.012, y = 0.016;  // e = 0.02, twice the clearance
+  const double F = 1e4 * 0.01 + 1 * 0.01;
+  CHECK(pin.respond(x, 0, {}, {.value = y}).force == near(0.6 * F, 1e-13));
+  CHECK(pin.respond(y, 0, {}, {.value = x}).force == near(0.8 * F, 1e-13));
+  CHECK(pin.respond(0, 0, {}, {}).force == 0);
+  CHECK(pin.respond(0, 0, {}, {}).stiffness == near(1, 1e-13));
+  CHECK(pin.opened(x, y) == near(1.5, 1e-13));
 }
 
 TEST_CASE("Only friction stays out of statics") {

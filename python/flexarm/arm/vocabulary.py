@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _JOINT = """joint_compliance joint_stiffening joint_hysteresis backlash coulomb_friction viscous_friction
 lugre_friction motor_friction transmission_error gear_ratio cable_torque joint_radial_compliance
-joint_tilt_compliance drive_lag tabulated_law oil_column end_cushion"""
+joint_radial_clearance joint_tilt_compliance drive_lag tabulated_law oil_column end_cushion"""
 _PAYLOAD = "payload_mass payload_offset payload_inertia"
 _LINK = "link_length link_stiffness link_mass link_damping link_bow"
 _BASE = "base_tilt base_compliance external_vibration"

@@ -36,6 +36,7 @@ def core_hinges(hinges: Iterable[Hinge]) -> list[_core.Hinge]:
             stiffness=each.stiffness,
             damping=each.damping,
             type=_core.JointType.prismatic if each.slides else _core.JointType.revolute,
+            laws=list(each.laws),
         )
         for each in hinges
     ]
@@ -109,6 +110,8 @@ class Hinge:
     """Of its spring and damper [N m/rad], [N m s/rad]."""
     slides: bool = False
     """True if it gives along the axis [N/m], [N s/m]."""
+    laws: tuple[_core.RadialClearance, ...] = ()
+    """In place of spring and damper."""
 
 
 @dataclass

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from flexarm.effects.gear_ratio import GearRatio
     from flexarm.effects.joint_compliance import JointCompliance
     from flexarm.effects.joint_hysteresis import JointHysteresis
+    from flexarm.effects.joint_radial_clearance import JointRadialClearance
     from flexarm.effects.joint_radial_compliance import JointRadialCompliance
     from flexarm.effects.joint_stiffening import JointStiffening
     from flexarm.effects.joint_tilt_compliance import JointTiltCompliance
@@ -78,6 +79,7 @@ __all__ = [
     "GearRatio",
     "JointCompliance",
     "JointHysteresis",
+    "JointRadialClearance",
     "JointRadialCompliance",
     "JointStiffening",
     "JointTiltCompliance",

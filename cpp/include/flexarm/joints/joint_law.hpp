@@ -16,6 +16,7 @@
 #include "flexarm/joints/laws/end_cushion.hpp"
 #include "flexarm/joints/laws/lugre_friction.hpp"
 #include "flexarm/joints/laws/oil_column.hpp"
+#include "flexarm/joints/laws/radial_clearance.hpp"
 #include "flexarm/joints/laws/reducer_spring.hpp"
 #include "flexarm/joints/laws/tabulated_friction.hpp"
 #include "flexarm/joints/laws/tabulated_torque.hpp"
@@ -24,8 +25,9 @@
 
 namespace flexarm::joints {
 
-using JointLaw = std::variant<ReducerSpring, CableTorque, ViscousFriction, DahlFriction, LugreFriction,
-                              TabulatedFriction, TabulatedTorque, WoundSpring, OilColumn, EndCushion>;
+using JointLaw =
+    std::variant<ReducerSpring, CableTorque, ViscousFriction, DahlFriction, LugreFriction, TabulatedFriction,
+                 TabulatedTorque, WoundSpring, OilColumn, EndCushion, RadialClearance>;
 
 inline LawResponse respond(const JointLaw& law, double x, double x_dot, const LawMemory& memory,
                            const LawArgument& y = {}) {
@@ -41,11 +43,12 @@ inline LawResponse respond(const JointLaw& law, double x, double x_dot, const La
 }
 
 /// Which coordinate of the joint is the second argument of the law, if any: `motor_angle` for φ, `angle` for
-/// the link's θ, also for the energy of a windup that changes; `torque` for none.
+/// the link's θ, also for the energy of a windup that changes; `across`; `torque` for none.
 inline Of second_argument(const JointLaw& law) {
   if (const auto* table = std::get_if<TabulatedTorque>(&law); table && table->of == Of::motor_angle)
     return Of::motor_angle;
   if (std::holds_alternative<OilColumn>(law)) return Of::motor_angle;
+  if (std::holds_alternative<RadialClearance>(law)) return Of::across;
   if (const auto* spring = std::get_if<WoundSpring>(&law);
       spring && (spring->of != Of::torque || spring->windup.changes()))
     return Of::angle;

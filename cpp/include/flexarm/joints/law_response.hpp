@@ -15,8 +15,9 @@ struct LawMemory {
   Flank flank = Flank::free;
 };
 
-/// The state of which a tabulated law is a function; joints/drive_train.hpp has the angles.
-enum class Of { angle, rate, torque, motor_angle };
+/// The state of which a law is a function; joints/drive_train.hpp has the angles, `across` is that of the
+/// other slide of a pin.
+enum class Of { angle, rate, torque, motor_angle, across };
 
 /// A second coordinate y of which a law may be a function, its rate, and the time [s].
 struct LawArgument {
