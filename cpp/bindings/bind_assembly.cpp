@@ -53,6 +53,8 @@ void bind_assembly(py::module_& m) {
             return system.in_loop(joint);
           },
           "True for a joint of a loop.", py::arg("joint"))
+      .def("count_closures_as", &System::count_closures_as,
+           "Take the conditions of closures that count in a model with nearly the same.", py::arg("nominal"))
       .def("joints_to_hold", &System::joints_to_hold,
            "Candidates that must be held so that the loops cannot move.", py::arg("held"),
            py::arg("candidates"))

@@ -697,6 +697,10 @@ class System:
     An arm, assembled.
     """
     def __init__(self, arm: Arm, drives: collections.abc.Mapping[str, DriveKind]) -> None: ...
+    def count_closures_as(self, nominal: System) -> None:
+        """
+        Take the conditions of closures that count in a model with nearly the same.
+        """
     def in_loop(self, joint: typing.SupportsInt | typing.SupportsIndex) -> bool:
         """
         True for a joint of a loop.

@@ -250,7 +250,7 @@ def _derivatives(
 ) -> Sensitivities | None:
     if not wanted:
         return None
-    beside, places = varied(arm, wanted, lambda other: assemble(other, driven=driven))
+    beside, places = varied(arm, wanted, lambda other: assemble(other, driven=driven), driven=driven)
     named = [wanted[place] for place in places]
     if any(parameter.one_sided for parameter in named):
         moving = _core.static_derivative(system, equilibrium, beside)

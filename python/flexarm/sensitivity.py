@@ -16,9 +16,11 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arm.effect import Effect
+from flexarm.arm.joint import gear_input
 from flexarm.arm.parameter import Parameter, neighbours, parameters, path_of
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.arrays import Floats, frozen, read_only
+from flexarm.assembly import following_joints, loops_of
 from flexarm.errors import InvalidParameter
 from flexarm.tables import Table
 
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
     from flexarm.netcdf import Contents, Variable
 
 Motions = list[_core.PiecewisePolynomial]
+
+_CLOSED = 1e-9
+"""Joints of loops that are closed alike differ by less [rad, m]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -135,37 +140,65 @@ def varied(
     wanted: Sequence[Parameter],
     assembled: Callable[[Arm], _core.System],
     redrive: Redrive | None = None,
+    *,
+    driven: Collection[str] = (),
 ) -> tuple[list[_core.Varied], list[int]]:
     """Return the perturbed models of which the core takes derivatives, and their places among the parameters.
 
     There is one for each parameter that moves the arm or, with `redrive` of a run along a record, its drives.
+    `driven` are the joints that are told where to be.
 
-    Raise InvalidParameter if a parameter shapes an arm with closed loops: conditions of closures have no
-    derivative by it.
+    Raise InvalidParameter if a loop does not close with a parameter a little changed, or another joint than
+    `driven` is held in it where the parameter puts it.
     """
     found, places = [], []
+    nominal = assembled(arm) if arm.closures and wanted else None
     for k, parameter in enumerate(wanted):
         moves = moves_arm(arm, parameter)
         drives = redrive is not None and not moves and _place(arm, parameter) in redrive.places
         if not moves and not drives:
             continue
         (above, up), (below, down) = neighbours(arm, parameter)
-        plus, minus = (assembled(above), assembled(below)) if moves else [assembled(arm)] * 2
-        path = path_of(arm, parameter.key)
-        shape = path.table in ("links", "joints") and path.fields[0] in ("end", "origin", "axis")
-        bent = path.table == "effects" and plus.assembled != minus.assembled
-        if arm.closures and (shape or bent):
-            raise InvalidParameter(
-                "has no derivative in an arm with closed loops "
-                f"({', '.join(closure.name for closure in arm.closures)})",
-                where=parameter.key,
-            )
+        try:
+            plus, minus = (assembled(above), assembled(below)) if moves else [assembled(arm)] * 2
+            if nominal is not None:
+                _require_standing_joints(arm, driven, plus, minus)
+                plus.count_closures_as(nominal)
+                minus.count_closures_as(nominal)
+        except InvalidParameter as error:
+            raise InvalidParameter(f"has no derivative here: {error}", where=parameter.key) from error
         motions: list[Motions] = []
         if redrive is not None and drives:
             motions = [redrive.motions(above), redrive.motions(below)]
         found.append(_core.Varied(plus, minus, up, down, *motions))
         places.append(k)
     return found, places
+
+
+def closes(arm: Arm, parameter: Parameter) -> bool:
+    """Return False if a parameter a little changed opens a loop, as a place across a flat one does."""
+    if not arm.closures:
+        return True
+    try:
+        for other, _ in neighbours(arm, parameter):
+            loops_of(other)
+    except InvalidParameter:
+        return False
+    return True
+
+
+def _require_standing_joints(
+    arm: Arm, driven: Collection[str], plus: _core.System, minus: _core.System
+) -> None:
+    """Refuse a parameter that moves a joint of a loop which is held where the loop was closed first."""
+    follow = {*following_joints(arm, (), driven), *driven, *(gear_input(arm, name) for name in driven)}
+    for k, joint in enumerate(arm.joints):
+        stands = joint.name in loops_of(arm).assembled and joint.name not in follow
+        if stands and abs(plus.assembled[k] - minus.assembled[k]) > _CLOSED:
+            raise InvalidParameter(
+                f"it moves {joint.name!r}, which is held where its loop was closed first; drive that joint, "
+                "or say in [assembly] where it stands"
+            )
 
 
 def collected(

@@ -310,6 +310,14 @@ void System::close_loops() {
   n_constraints_ -= closures_.redundant();
 }
 
+void System::count_closures_as(const System& nominal) {
+  if (closures_.conditions() != nominal.closures_.conditions() ||
+      closures_.rows() != nominal.closures_.rows()) {
+    throw InvalidParameter("the loops of the two models repeat different numbers of conditions");
+  }
+  closures_.count_as(nominal.closures_);
+}
+
 /// The driven joints walk from where the loops were closed first; the others follow.
 std::vector<double> System::closed(const std::vector<double>& joint_values) const {
   if (joint_values.size() != arm_.joints.size()) return joint_values;  // placed() tells

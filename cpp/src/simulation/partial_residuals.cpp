@@ -26,6 +26,7 @@ void PartialResidualsIn<D>::evaluate(const StateD& state, const StateDerivative&
   inertia(state, rhs);
   weights(state, loads, rhs);
   joints(state, rhs);
+  closures(state, rhs);
   parts(state, loads, rhs);
   force_laws(derivative, laws, rhs);
   driven(state, derivative, laws, rhs);
@@ -150,6 +151,23 @@ void PartialResidualsIn<D>::joints(const StateD& state, Slopes& rhs) const {
     if (!system_.is_free(input)) continue;
     rhs(system_.scalar_offset() + input, one.column) -=
         per_spread * (up.first - down.first) * state.multipliers[row];
+  }
+}
+
+template <int D>
+void PartialResidualsIn<D>::closures(const StateD& state, Slopes& rhs) const {
+  if constexpr (D == 3) {
+    for (const Eigen::Index k : looped_) {
+      const VariationIn<D>& p = variations_[k];
+      const auto add = [&](const SystemD& model, double sign) {
+        VectorXd r = VectorXd::Zero(system_.n_velocities());
+        model.closures().add_forces(state.frames, system_.of_closures(state), r);
+        rhs.col(k).head(system_.n_free()) += sign * r.head(system_.n_free());
+        rhs.col(k).tail(system_.closures().rows()) += sign * model.closures().violation(state.frames);
+      };
+      add(*p.plus, -1 / p.spread());
+      add(*p.minus, 1 / p.spread());
+    }
   }
 }
 

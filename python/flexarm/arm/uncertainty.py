@@ -52,7 +52,7 @@ _SUFFIXES = {
 """Units at the end of keys; a `1` is that of numbers without a unit."""
 _SCALED = ("m2", "m4", "kg m2")
 """Units of vectors whose components are known relative to themselves; places and directions are not."""
-_TABLES = ("links", "joints", "gears", "payloads", "points", "motors", "effects")
+_TABLES = ("links", "joints", "gears", "payloads", "points", "closures", "motors", "effects")
 
 
 def sigma_of(arm: Arm, key: str) -> tuple[Any, Any]:

@@ -59,12 +59,14 @@ class Differentiation:
             wanted,
             lambda other: replace(task, arm=other).system,
             Redrive(places | set(lagging(task.drive, task.arm)), lambda other: self._redriven(other).motions),
+            driven={*task.drive.joints, *task.drive.rest},
         )
         self._still, _ = varied(
             task.arm,
             wanted,
             lambda other: replace(task, arm=other).held,
             Redrive(places, lambda other: self._redriven(other).first_motions(start)),
+            driven={*task.drive.joints, *task.drive.rest},
         )
         acting = [wanted[place] for place in self._places]
         self._arms: list[tuple[Arm, Arm]] = []

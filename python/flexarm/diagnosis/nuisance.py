@@ -29,6 +29,7 @@ from flexarm.effects.time_delay import TimeDelay
 from flexarm.errors import InvalidParameter
 from flexarm.named_effects import Nuisance
 from flexarm.record import Record
+from flexarm.sensitivity import closes
 
 UNKNOWN_DELAY = 1.0
 """1 sigma of an unknown clock, about the first guess [s]."""
@@ -167,7 +168,10 @@ def nuisance_model(problem: Problem) -> NuisanceModel:
 
 
 def nominal(arm: Arm, records: Mapping[str, Record]) -> list[NuisanceParameter]:
-    """Return uncertain nominal values; a payload mass that every record states is known."""
+    """Return uncertain nominal values, but for components that would open a loop.
+
+    A payload mass that every record states is known.
+    """
     found = []
     for key in arm.uncertainty:
         value, sigma = arm.sigma(key)
@@ -181,7 +185,7 @@ def nominal(arm: Arm, records: Mapping[str, Record]) -> list[NuisanceParameter]:
                 p.key, p.value, float(s), stated or p.unit, "nominal", _has_one_sign(arm, p, float(s))
             )
             for p, s in zip(there, sigmas, strict=True)
-            if s > 0
+            if s > 0 and closes(arm, p)
         ]
     return found
 

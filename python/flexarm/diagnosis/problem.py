@@ -290,5 +290,5 @@ def extrapolated(coarse: Floats, fine: Floats) -> Floats:
 
 def _key(arm: Arm) -> tuple[Any, ...]:
     """Return what residuals depend on."""
-    parts = (arm.joints, arm.gears, arm.links, arm.payloads, arm.points, arm.motors, arm.controllers)
-    return (*parts, arm.effects)
+    parts = (arm.joints, arm.gears, arm.closures, arm.links, arm.payloads, arm.points, arm.motors)
+    return (*parts, arm.controllers, arm.effects)

@@ -100,10 +100,11 @@ def differentiated(
     """Return the run with the derivatives of its arrays."""
     system = _free(run, run.arm)
     held = _held(run, system)
-    varied_systems, places = varied(run.arm, wanted, lambda arm: _free(run, arm), redrive)
+    told = {*run.kinds, *run.drive.rest}
+    varied_systems, places = varied(run.arm, wanted, lambda arm: _free(run, arm), redrive, driven=told)
     still = varied_systems
     if held is not system:
-        still, _ = varied(run.arm, wanted, lambda arm: _with_motors_held(run, arm), redrive)
+        still, _ = varied(run.arm, wanted, lambda arm: _with_motors_held(run, arm), redrive, driven=told)
     moving = [wanted[place] for place in places]
     found, arrays = _with_slopes(run, system, held, varied_systems, still, report, moving)
     return replace(found, sensitivities=collected(wanted, places, arrays))

@@ -81,7 +81,10 @@ class StaticsBatch:
         self._following = following_joints(arm, held, driven)
         self.parameters: tuple[Parameter, ...] = parameters(arm, sensitivities)
         self._beside, self._places = varied(
-            arm, self.parameters, lambda other: assemble(other, held, points, driven)
+            arm,
+            self.parameters,
+            lambda other: assemble(other, held, points, driven),
+            driven={*held, *driven},
         )
 
     def at(

@@ -41,6 +41,8 @@ class LoopClosures {
 
   /// Equation (2) from N, whose columns are orthonormal.
   void leave_out(const MatrixXd& N);
+  /// Takes P of the same closures at slightly other places, so that rows of Φ mean the same.
+  void count_as(const LoopClosures& other) { P_ = other.P_; }
 
   VectorXd gap(const Frames& frames) const;                                                ///< g [m]
   VectorXd violation(const Frames& frames) const { return P_.transpose() * gap(frames); }  ///< Φ

@@ -21,6 +21,10 @@ class System : public SystemIn<3> {
   /// @throws InvalidParameter if a loop cannot be closed there, or nothing tells where its joints are.
   State rigid_state(const std::vector<double>& joint_values) const;
 
+  /// Takes the conditions of closures that count in a model whose closures are nearly the same.
+  /// @throws InvalidParameter if it has others
+  void count_closures_as(const System& nominal);
+
   bool in_loop(int joint) const { return in_loop_[joint]; }  ///< or coupled by gears to one that is
   /// Joint values at which the loops were closed first.
   const std::vector<double>& assembled() const { return assembled_; }

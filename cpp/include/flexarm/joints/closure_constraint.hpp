@@ -56,6 +56,8 @@ class ClosureConstraint {
   int node_b() const { return node_b_; }
   int size() const { return static_cast<int>(conditions_.size()); }
 
+  bool operator==(const ClosureConstraint&) const = default;
+
   /// Equations (1), (2).
   Conditions gap(const Frame& H_a, const Frame& H_b) const;
 
@@ -95,6 +97,7 @@ class ClosureConstraint {
   struct Condition {
     bool turns;  // form (2)
     Vector3d e, w;
+    bool operator==(const Condition&) const = default;
   };
   struct Placement {
     Frame A, B;

@@ -9,9 +9,9 @@
 ///     ∂f/∂p = ∂M/∂p v' − ad(v)ᵀ ∂M/∂p v                                                             (2)
 ///
 /// with differences of the models' K, M, ... made once; σ goes to the nodes as in elements/beam.hpp, by
-/// beam_slopes.hpp. Weights and rotor inertias alike. Joints, gears and super-elements that differ are
-/// evaluated in both models at the state. Laws: law_slopes.hpp. Prescribed coordinates and motor torques that
-/// depend on p come in with the tangents of what they touch.
+/// beam_slopes.hpp. Weights and rotor inertias alike. Joints, gears, closures and super-elements that differ
+/// are evaluated in both models at the state. Laws: law_slopes.hpp. Prescribed coordinates and motor torques
+/// that depend on p come in with the tangents of what they touch.
 #pragma once
 
 #include <utility>
@@ -82,6 +82,7 @@ class PartialResidualsIn {
   void inertia(const StateD& state, Slopes& rhs);
   void weights(const StateD& state, const LoadsD& loads, Slopes& rhs) const;
   void joints(const StateD& state, Slopes& rhs) const;
+  void closures(const StateD& state, Slopes& rhs) const;
   void parts(const StateD& state, const LoadsD& loads, Slopes& rhs);
   void force_laws(const StateDerivative& derivative, const LawSlopesIn<D>& laws, Slopes& rhs) const;
   void driven(const StateD& state, const StateDerivative& derivative, const LawSlopesIn<D>& laws,
@@ -98,6 +99,7 @@ class PartialResidualsIn {
   std::vector<Both<joints::GearConstraint>> gears_;
   std::vector<Both<elements::SuperElementIn<D>>> parts_;
   Columns driven_;  // parameters on which the drives depend
+  Columns looped_;  // and closures
   solvers::DriveValues up_, down_;
   Slopes torques_;  // derivatives of motor torques, one row a scalar coordinate
   Slopes forces_;   // of one beam in its nodes
