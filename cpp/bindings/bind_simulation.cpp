@@ -284,6 +284,16 @@ void bind_transient(py::module_& m) {
       py::arg("equilibrium"), py::arg("varied"), py::arg("t") = 0.0,
       py::call_guard<py::gil_scoped_release>());
   m.def(
+      "in_motion",
+      [](Equilibrium start, const StateDerivative& along) {
+        checks::size("rows of the derivative", along.position.rows(), start.state.v.size());
+        checks::index("parameter", 0, static_cast<std::size_t>(along.size()));
+        start.state.v = along.position.col(0);
+        return start;
+      },
+      "The equilibrium, passed with the velocities of its derivative by the first parameter.",
+      py::arg("equilibrium"), py::arg("along"));
+  m.def(
       "frequency_derivatives",
       [](const System& system, const Equilibrium& equilibrium, int count, const std::vector<Varied>& varied) {
         checks::fits(system, equilibrium);

@@ -88,6 +88,7 @@ __all__: list[str] = [
     "displaced",
     "exp6",
     "frequency_derivatives",
+    "in_motion",
     "joint_angles",
     "joint_coordinates",
     "joint_reading",
@@ -1367,6 +1368,11 @@ def frequency_derivatives(
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
     """
     df/dp of the lowest modes, (mode, parameter) [Hz per unit].
+    """
+
+def in_motion(equilibrium: Equilibrium, along: StateDerivative) -> Equilibrium:
+    """
+    The equilibrium, passed with the velocities of its derivative by the first parameter.
     """
 
 def joint_angles(

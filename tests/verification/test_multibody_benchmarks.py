@@ -46,20 +46,20 @@ def test_the_squeezer_keeps_its_energy():
     assert np.abs(balance - balance[0]).max() < 1e-4 * np.ptp(run.kinetic)
 
 
-def push(t):
-    """A torque that tips the cranks over within 0.2 s [N m]."""
-    return -15.0 * np.sin(5 * np.pi * np.minimum(t, 0.2)) ** 2
+def thrown(end: float, step: float, alpha: float = 0.0, **more) -> flexarm.Simulation:
+    """Two four-bars that begin upright, crank 0 with 1 m/s at its end, as in the library of the IFToMM."""
+    free = drive({"A0": np.zeros_like}, end, 11, side="torque")
+    told = flexarm.Drive(free.joints, {"A0": np.pi / 2}, 0.0, end, rates={"A0": -1.0})
+    return flexarm.simulate(mechanisms.four_bar_windows(2), told, step=step, alpha=alpha, **more)
 
 
 def upright_crank(time: np.ndarray) -> np.ndarray:
-    """Angle of the cranks by J q'' = T - V'(q), J = 3/3 + 2 kg m2 and V = 3.5 g sin q J."""
+    """Angle of the cranks by J q'' = -V'(q), J = 3/3 + 2 kg m2 and V = 3.5 g sin q J."""
 
     def change(t, y):
-        return [y[1], (float(push(np.array(t))) - 3.5 * G * np.cos(y[0])) / 3.0]
+        return [y[1], -3.5 * G * np.cos(y[0]) / 3.0]
 
-    found = solve_ivp(
-        change, (0, time[-1]), [np.pi / 2, 0], "DOP853", time, rtol=1e-12, atol=1e-13, max_step=0.02
-    )
+    found = solve_ivp(change, (0, time[-1]), [np.pi / 2, -1.0], "DOP853", time, rtol=1e-12, atol=1e-13)
     return found.y[0]
 
 
@@ -67,20 +67,20 @@ def test_two_four_bars_pass_two_poses_in_line():
     """There three freedoms open for an instant; the mechanism goes on with all cranks parallel."""
     error = []
     for step in (4e-3, 2e-3):
-        run = released(mechanisms.four_bar_windows(2), "A0", np.pi / 2, push, 1.6, step)
+        run = thrown(1.6, step)
         assert run.joint_angle[:, 0].min() < -np.pi  # both have been passed
         assert np.abs(run.joint_angle[:, 1:3] - run.joint_angle[:, :1]).max() < 1e-9
         error.append(np.abs(run.joint_angle[:, 0] - upright_crank(run.time)).max())
-    assert error[1] < 7e-5
+    assert error[1] < 9e-5
     assert error[0] / error[1] == approx(4, rel=0.05)
 
 
 def test_two_four_bars_keep_their_energy_over_many_turns():
-    """Eight poses in line within 6 s, with the default damping."""
-    run = released(mechanisms.four_bar_windows(2), "A0", np.pi / 2, push, 6.0, 2e-3, -0.05, energies=True)
-    assert run.joint_angle[-1, 0] < -4 * np.pi
-    balance = run.kinetic + run.gravity - run.work
-    assert np.abs(balance - balance[0]).max() < 3e-4 * np.ptp(run.kinetic)
+    """Through nine poses in line within the 10 s of the benchmark, with the default damping."""
+    run = thrown(10.0, 2e-3, -0.05, energies=True)
+    assert run.joint_angle[-1, 0] < -9 * np.pi
+    balance = run.kinetic + run.gravity
+    assert np.abs(balance - balance[0]).max() < 2e-4 * np.ptp(run.kinetic)
 
 
 def bricard(step: float) -> flexarm.Simulation:

@@ -18,11 +18,11 @@ bool driven_by_torque(const System& system) {
                              [](assembly::DriveKind kind) { return kind == assembly::DriveKind::torque; });
 }
 
-VectorXd torques_at(const SpatialSystem& system, const solvers::Drives& drives, double time) {
+solvers::DriveValues values_at(const SpatialSystem& system, const solvers::Drives& drives, double time) {
   const VectorXd zero = VectorXd::Zero(system.n_scalars());
   solvers::DriveValues values{zero, zero, zero, zero};
   drives(time, values);
-  return values.torques;
+  return values;
 }
 
 double scale_of(const System& system) {
@@ -76,9 +76,16 @@ class MassesAndConstraints {
 
 Equilibrium consistent_start(const System& system, const Equilibrium& equilibrium,
                              const solvers::Drives& drives, double time) {
-  if (!driven_by_torque(system)) return equilibrium;
+  const bool moves = !equilibrium.state.v.isZero(0);
+  if (!moves && !driven_by_torque(system)) return equilibrium;
   Equilibrium start = equilibrium;
-  start.loads.torques = torques_at(system, drives, time);
+  const solvers::DriveValues told = values_at(system, drives, time);
+  start.loads.torques = told.torques;
+  if (moves) {
+    const int n_driven = system.n_velocities() - system.n_free();
+    start.state.v.tail(n_driven) = told.v.tail(n_driven);
+    start.state.v_dot.tail(n_driven) = start.state.a.tail(n_driven) = told.v_dot.tail(n_driven);
+  }
   const double scale = scale_of(system);
   VectorXd x = unbalanced(system, start.state, start.loads, scale);
   if (!MassesAndConstraints(system, start.state, scale).solve(x)) return equilibrium;  // eq. (1)
@@ -99,7 +106,7 @@ StateDerivative consistent_start(const System& system, const Equilibrium& start,
     const Variation& p = variations[static_cast<std::size_t>(k)];
     const auto in = [&](const SpatialSystem& model, const solvers::Drives& drives, double amount) {
       Loads loads = start.loads;
-      if (drives) loads.torques = torques_at(system, drives, time);
+      if (drives) loads.torques = values_at(system, drives, time).torques;
       return unbalanced(model, moved(system, start.state, at_rest, k, amount), loads, scale);
     };
     VectorXd x = (in(*p.plus, p.drive_plus, p.up) - in(*p.minus, p.drive_minus, p.down)) / p.spread();

@@ -33,6 +33,9 @@ class Drive:
         Where joints stand that nothing drives [rad or m]; default 0.
     start, end : float
         Time that the run shall cover [s].
+    rates : dict of str to float, optional
+        The run begins in motion: joints that a torque drives with these rates [rad/s or m/s], 0 by default,
+        the others with those of their drives. None: it begins at rest.
     lead : float
         How long before `start` a run begins, at rest [s] (`flexarm.drive.lead_in`); no part of its result.
     """
@@ -42,6 +45,7 @@ class Drive:
     start: float = 0.0
     end: float = 0.0
     lead: float = 0.0
+    rates: Mapping[str, float] | None = None
 
     def __repr__(self) -> str:
         joints = ", ".join(f"{name} ({joint.side})" for name, joint in self.joints.items())
@@ -50,6 +54,8 @@ class Drive:
     def sha256(self) -> str:
         """Return the hash of all that a run takes from the drive, for its provenance."""
         found = hashlib.sha256(repr((sorted(self.rest.items()), self.start, self.end)).encode())
+        if self.rates is not None:
+            found.update(repr(sorted(self.rates.items())).encode())
         for name, joint in sorted(self.joints.items()):
             found.update(f"{name} {joint.side}".encode() + joint.digest)
         return found.hexdigest()

@@ -51,11 +51,11 @@ def side_by_side(pairs: Iterable[Pair], **options: Any) -> list[Simulation | Non
 
 
 def _started(arm: Arm, drive: Drive | Record, given: dict[str, Any]) -> StartedRun | None:
-    """Return a run at its start, or None where something is wrong, or a controller moves the arm."""
+    """Return a run at its start, or None where something is wrong, or it runs alone."""
     try:
         names = ("step", "alpha", "end", "forces", "rotations")
         run = prepared_along(arm, drive, *(given[name] for name in names))
-        if any(joint.side == "command" for joint in run.drive.joints.values()):
+        if run.drive.rates is not None or any(j.side == "command" for j in run.drive.joints.values()):
             return None
         run.options.consistent_forces = given["consistent_forces"]
         run.options.dimension = coordinates(given["dimension"])

@@ -10,6 +10,7 @@ from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
 from flexarm.drive import Drive
 from flexarm.drive.lag import as_followed, lagging
+from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.sensitivity import Redrive
 from flexarm.simulation.prepared import coordinates, motions, prepared_along
@@ -46,7 +47,7 @@ def simulate(
     dimension: str = "auto",
     progress: Progress = None,
 ) -> Simulation:
-    """Simulate a run from equilibrium at rest along the drives.
+    """Simulate a run along the drives from equilibrium, at rest or passed in motion (`Drive.rates`).
 
     Parameters
     ----------
@@ -114,6 +115,8 @@ def simulate(
     run.options.consistent_forces = consistent_forces
     run.options.dimension = coordinates(dimension)
     if any(joint.side == "command" for joint in run.drive.joints.values()):
+        if run.drive.rates is not None:
+            raise InvalidParameter("a run under a controller begins at rest", where="drive.rates")
         from flexarm.control import simulate_closed_loop
 
         return simulate_closed_loop(

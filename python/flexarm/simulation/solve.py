@@ -22,6 +22,7 @@ from flexarm.errors import InvalidParameter
 from flexarm.sensitivity import Redrive, Sensitivities, collected, varied
 from flexarm.simulation.energies import energies_of
 from flexarm.simulation.from_core import simulation_of
+from flexarm.simulation.in_motion import start_in_motion
 from flexarm.simulation.prepared import PreparedRun, motions
 from flexarm.simulation.progress import Report
 from flexarm.simulation.simulation import Simulation
@@ -62,9 +63,7 @@ class StartedRun:
         system, along = _free(run, run.arm), run.motions
         held = _held(run, system)
         equilibrium = _start(run, held, along)
-        if held is not system:
-            equilibrium = _core.released(held, equilibrium, system)
-        return cls(run, system, equilibrium, along)
+        return cls(run, system, start_in_motion(run, held, system, equilibrium), along)
 
     def result(self, found: _core.Transient) -> Simulation:
         """Return the run from what the core found."""
@@ -139,6 +138,8 @@ def _with_slopes(
     wanted: Sequence[Parameter] = (),
 ) -> tuple[Simulation, dict[str, Floats]]:
     """Return the run and the slopes of its arrays by what varies, with motors free and still."""
+    if run.drive.rates is not None:
+        raise InvalidParameter("a run that begins in motion has no derivatives", where="drive.rates")
     equilibrium = _start(run, held, run.motions)
     initial = _core.static_derivative(held, equilibrium, still, run.options.start)
     if wanted:
