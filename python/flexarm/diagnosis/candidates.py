@@ -46,7 +46,8 @@ def cardan_joints(arm: Arm, driven: Iterable[str]) -> dict[str, str]:
                 {first.name, second.name} <= idle
                 and second.parent == first.child
                 and not any(second.origin.xyz)
-                and _weightless(arm, first.child)
+                and isinstance(link := arm.link(first.child), RigidLink)
+                and link.mass == 0
             ):
                 found[first.name] = second.name
     return found
@@ -62,11 +63,6 @@ def effect_count(members: Sequence[Candidate], pairs: dict[str, str]) -> int:
     """Return the number of effects, the same one at both axes of a cardan joint counted once."""
     places = {member.place for member in members}
     return len(members) - sum((m.name, pairs.get(m.effect.at, "")) in places for m in members)
-
-
-def _weightless(arm: Arm, name: str) -> bool:
-    link = arm.link(name)
-    return isinstance(link, RigidLink) and link.mass == 0
 
 
 def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
@@ -170,12 +166,9 @@ def candidates(
             continue
         for at in places_of(kind, problem, arm):
             found += _at_place(kind, at, problem, arm, rhythm, softer)
-    return [_of_poses(candidate) for candidate in found] if poses else found
-
-
-def _of_poses(candidate: Candidate) -> Candidate:
-    """Without what poses cannot show: the damping of a spring."""
-    return replace(candidate, free=tuple(k for k in candidate.free if k not in candidate.effect.in_motion))
+    if not poses:
+        return found
+    return [replace(c, free=tuple(k for k in c.free if k not in c.effect.in_motion)) for c in found]
 
 
 def _at_place(

@@ -128,7 +128,8 @@ def _error(problem: Problem, arm: Arm, effect: EncoderQuantisation, rng: np.rand
         name: _rounded_again(record, arm, effect, rng) if _moves_by(record, effect.at) else record
         for name, record in problem.records.items()
     }
-    return _rms(problem, problem.with_drives(again).residual(arm) - problem.residual(arm))
+    error = problem.with_drives(again).residual(arm) - problem.residual(arm)
+    return np.array([float(np.sqrt(np.mean(error[each.where] ** 2))) for each in problem.rows])
 
 
 def _moves_by(record: Record, encoder: str) -> bool:
@@ -148,10 +149,6 @@ def _rounded_again(record: Record, arm: Arm, effect: EncoderQuantisation, rng: n
     values[~np.isfinite(signal.values[:, 0])] = np.nan
     rounded = {**record.signals, effect.at: signal.replace(values=values[:, None])}
     return record.replace(signals=list(rounded.values()))
-
-
-def _rms(problem: Problem, residual: Floats) -> Floats:
-    return np.array([float(np.sqrt(np.mean(residual[each.where] ** 2))) for each in problem.rows])
 
 
 ANGLES = ("joint_angle", "inclination")

@@ -21,7 +21,6 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, dominant_frequencies
 from flexarm.diagnosis.design.next_experiment import NextExperiment, next_experiment
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.fit_statistics import constancy, fit_statistics
 from flexarm.diagnosis.hold_out import left_out, masked_outliers, named_hold_out, outlier_remarks, split
 from flexarm.diagnosis.naming import (
@@ -220,8 +219,10 @@ def _diagnosis(
     if laws and not early and found.verdict == "unexplained" and allows("the missing law was sought"):
         tell(0.87, "missing law")
         signal = main_signal(parted.training, bench.in_training(arm))
+        # a law is sought about both: effects of an unexplained gap may imitate parts of it
+        simplest_first = [choice.null, choice.best] if choice.best.members else [choice.best]
         ground = LawCheck(bench, arm, updated, signal)
-        missing = missing_laws(choice.estimator, _simplest_first(choice), ground)
+        missing = missing_laws(choice.estimator, simplest_first, ground)
     if missing.added is not None:
         updated, members, sizes = missing.added.arm, missing.added.members, missing.added.sizes
         refined = tuple(filter(moved, sizes.refined))
@@ -291,7 +292,8 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     What leaves a small part of a gap, with a parameter that each record would have otherwise or that no
     machine has, mimics it, and so does what explains all with a size where fits end.
     """
-    sizes = _sizes(choice, problem)
+    arm = choice.estimator.with_effects(choice.best.members)
+    sizes = estimates(choice.best, problem, input_noise_errors(problem, arm))
     drifts = tuple(constancy(choice.best, problem))
     criteria = Criteria(problem, choice.null)
     wrong = any(not each["constant"] for each in drifts) and criteria.leaves_anything(choice.best)
@@ -307,17 +309,6 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     model = repaired(problem.arm, choice.best, sizes) if keep else problem.arm
     verdict: Verdict = "unexplained" if unexplained else "effects" if effects else "adequate"
     return _Conclusion(verdict, effects, sizes, drifts, model, keep, open_gap, ends)
-
-
-def _simplest_first(choice: Choice) -> list[Fit]:
-    """Return the fits about which a law is sought: effects of an unexplained gap may imitate parts of it."""
-    return [choice.null, choice.best] if choice.best.members else [choice.best]
-
-
-def _sizes(choice: Choice, problem: Problem) -> Estimates:
-    """Return values and intervals of the chosen model."""
-    arm = choice.estimator.with_effects(choice.best.members)
-    return estimates(choice.best, problem, input_noise_errors(problem, arm))
 
 
 def _unusable(

@@ -18,10 +18,10 @@ from flexarm.comparison.comparison import frame_words
 from flexarm.json_values import plain
 from flexarm.named_effects import Estimate
 from flexarm.netcdf import save
-from flexarm.output import PAGE, stems, write_file
+from flexarm.output import PAGE, write_file
 from flexarm.report.diagnosis import gap_lines, wrapped
 from flexarm.report.files import WIDTH, Drawing, drawn, filled, log_if_wide, margin_for, sheet, write_files
-from flexarm.report.gap_figures import AFTER, gap_along, sides
+from flexarm.report.gap_figures import AFTER, gaps_along
 from flexarm.report.report_file import Entry, GapsEntry, Known, gaps_of, provenance_of
 from flexarm.report.sentences import gap_tables
 from flexarm.report.storage import GAPS, MODEL, gap_contents
@@ -71,15 +71,7 @@ def _figures(found: Calibration) -> Iterator[tuple[str, str, str, Figure | None]
             "data hardly know the member, which stays near the others."
         )
         yield name, "families", what, figure
-    shown = [name for name in (*found.held_out, *found.training) if sides(found, name)]
-    for record, stem in zip(shown, stems(shown), strict=True):
-        role = "held out, never used to fit" if record in found.held_out else "training"
-        yield (
-            f"gap-{stem}",
-            "gap",
-            f"Record {record} ({role}): gap of {found.main_signal} before and after, and the noise.",
-            gap_along(found, record),
-        )
+    yield from gaps_along(found, "gap")
     what = "Correlations of the parameters that the data determine, in the order of the table."
     yield "correlations", "correlations", what, correlations(found)
 

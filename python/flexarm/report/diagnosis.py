@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 from flexarm.comparison.comparison import frame_words
 from flexarm.named_effects import NORMAL_90, Estimate, NamedEffect
 from flexarm.netcdf import save
-from flexarm.output import PAGE, stems, write_file
+from flexarm.output import PAGE, write_file
 from flexarm.report.diagnosis_page import page
 from flexarm.report.evidence_figures import candidates, constancy, law_rows, laws, of_effect
 from flexarm.report.files import Drawing, drawn, sheet, write_files
-from flexarm.report.gap_figures import by_band, gap_along, sides, waterfall
+from flexarm.report.gap_figures import by_band, gaps_along, waterfall
 from flexarm.report.report_file import provenance_of
 from flexarm.report.sentences import (
     gap_tables,
@@ -103,15 +103,7 @@ def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
     yield "bands", "where", what, by_band(d, records)
     what = f"From the nominal to the updated model: rms gap of {d.main_signal}, all directions, at each step."
     yield "stages", "shrinks", what, waterfall(d)
-    shown = [name for name in (*d.held_out, *d.training) if sides(d, name)]
-    for record, stem in zip(shown, stems(shown), strict=True):
-        role = "held out, never used to fit" if record in d.held_out else "training"
-        yield (
-            f"gap-{stem}",
-            "shrinks",
-            f"Record {record} ({role}): gap of {d.main_signal} before and after, and the noise.",
-            gap_along(d, record),
-        )
+    yield from gaps_along(d, "shrinks")
 
 
 def _of_states(d: Diagnosis) -> str:
@@ -157,15 +149,17 @@ def _head(d: Diagnosis) -> Iterator[str]:
         yield "added, with 90 % intervals:"
     for effect in kept:
         yield f"  {place_words(effect.name, effect.at)}, probability {probability(effect.probability)}"
-        yield from (f"    {_range(each)}" for each in effect.parameters)
+        for size in effect.parameters:
+            unit = "" if size.unit in ("", "-", "1") else f" {size.unit}"
+            yield f"    {size.name} = {size.value:.6g}{unit}, {size.low90:.6g} to {size.high90:.6g}"
         if rivals := rivals_sentence(effect):
             yield f"    {rivals}"
     if changed:
         yield "refined within the stated uncertainty, with 90 % intervals:"
     for each in changed:
         value, half, unit = each.refined.value, NORMAL_90 * each.refined.std, each.refined.unit
-        ends = f", {_plain(value - half)} to {_plain(value + half)}" if isfinite(half) else ""
-        change = f"{_plain(each.refined.nominal)} -> {_plain(value)}"
+        ends = f", {value - half:.6g} to {value + half:.6g}" if isfinite(half) else ""
+        change = f"{each.refined.nominal:.6g} -> {value:.6g}"
         yield f"  {each.refined.parameter}: {change}{ends} {unit}".rstrip()
     left = [each.refined.parameter for each in moved if each.refined.value == each.refined.nominal]
     if left:
@@ -180,16 +174,6 @@ def _in(d: Diagnosis, effect: NamedEffect) -> bool:
     """Return True if a named effect was added to the model; faults of sensors and open questions are not."""
     pairs = [(d.updated.effect(effect.name, at), d.arm.effect(effect.name, at)) for at in effect.places]
     return any(added is not None and added != old for added, old in pairs)
-
-
-def _range(each: Estimate) -> str:
-    unit = "" if each.unit in ("", "-", "1") else f" {each.unit}"
-    return f"{each.name} = {_plain(each.value)}{unit}, {_plain(each.low90)} to {_plain(each.high90)}"
-
-
-def _plain(value: float) -> str:
-    """Six digits: intervals of a thousandth show in them."""
-    return f"{value:.6g}"
 
 
 def summary(diagnosis: Diagnosis) -> str:

@@ -38,7 +38,8 @@ def candidates(d: Diagnosis) -> Figure | None:
     figure, axes = sheet(1, 1, 0.22 * len(shown) + 0.1, left=margin_for([row[0] for row in shown]))
     ax = axes[0, 0]
     bars = ax.barh([row[0] for row in shown], [row[1] for row in shown], color=[row[2] for row in shown])
-    write_beside(ax, bars, [_lacking(row[1], row[2]) for row in shown])
+    texts = ["chosen" if c == AFTER else f"{x:,.1f}" if x < 100 else f"{x:,.0f}" for _, x, c in shown]
+    write_beside(ax, bars, texts)
     ax.axvline(REACH, color="black", lw=0.8, ls="--", label="ln 20: right of it out of reach")
     ax.set_xscale("symlog", linthresh=REACH)
     ax.set_xlim(0, 10 * max(REACH, *(row[1] for row in shown)))
@@ -47,10 +48,6 @@ def candidates(d: Diagnosis) -> Figure | None:
     ax.grid(visible=False, axis="y")
     legend_below(figure, ax)
     return figure
-
-
-def _lacking(value: float, colour: str) -> str:
-    return "chosen" if colour == AFTER else f"{value:,.1f}" if value < 100 else f"{value:,.0f}"
 
 
 def _candidate_rows(d: Diagnosis) -> list[tuple[str, float, str]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.comparison.pooled_gap import pooled
 from flexarm.errors import InvalidParameter
+from flexarm.output import stems
 from flexarm.report.files import LEFT, legend_below, log_if_wide, margin_for, sheet, write_beside
 from flexarm.wording import number, scale
 
@@ -169,6 +170,15 @@ def gap_along(d: BeforeAfter, record: str) -> Figure:
     return figure
 
 
+def gaps_along(d: BeforeAfter, section: str) -> Iterator[tuple[str, str, str, Figure]]:
+    """Yield name, section, caption and figure of the gap along each record, held-out ones first."""
+    shown = [name for name in (*d.held_out, *d.training) if sides(d, name)]
+    for record, stem in zip(shown, stems(shown), strict=True):
+        role = "held out, never used to fit" if record in d.held_out else "training"
+        caption = f"Record {record} ({role}): gap of {d.main_signal} before and after, and the noise."
+        yield f"gap-{stem}", section, caption, gap_along(d, record)
+
+
 def _first(gaps: Mapping[str, SignalGap]) -> SignalGap:
     return next(iter(gaps.values()))
 
@@ -217,7 +227,7 @@ def waterfall(d: Diagnosis) -> Figure | None:
     rows = [(name, heights, colour) for name, of, colour in groups if (heights := _stages(d, of))]
     if len(d.stages) < 2 or not rows:
         return None
-    labels = [_stage_label(stage.label, i) for i, stage in enumerate(d.stages)]
+    labels = ["+ " * (i > 0) + stage.label.replace("_", " ") for i, stage in enumerate(d.stages)]
     figure, axes = sheet(1, 1, 0.42 * len(d.stages) + 0.1, left=margin_for(labels))
     ax = axes[0, 0]
     largest = max(max(heights) for _, heights, _ in rows)
@@ -248,8 +258,3 @@ def _stages(d: Diagnosis, records: Sequence[str]) -> list[float]:
     gaps = [_first(sides(d, name)) for name in known]
     heights = [pooled([stage.rms[name] for name in known], gaps) for stage in d.stages]
     return [height for height in heights if height] if all(heights) else []
-
-
-def _stage_label(text: str, place: int) -> str:
-    words = text.replace("_", " ")
-    return words if place == 0 else f"+ {words}"

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -173,83 +171,46 @@ def gap_figure(before: Localisation, after: Localisation | None = None, signal: 
     gap before, over the noise; the direction has the greatest gap; the joint's rotation holds most of the
     gap, or it is the first that moves. Raise InvalidParameter if there is no such signal.
     """
-    rows = _named(before, signal or _largest(before))
-    drawn = [(rows, BEFORE if after else AFTER, "before" if after else "gap")]
-    if after is not None:
-        drawn.append((_named(after, rows.signal), AFTER, "after"))
-    return _Sheet(rows, largest_direction(rows), turned_most(before, rows), drawn).figure()
+    import matplotlib.pyplot as plt
 
-
-@dataclass(frozen=True, eq=False)
-class _Sheet:
-    """The gap that sets scale and noise, and every gap with its colour and label."""
-
-    rows: SignalResidual
-    direction: str
-    states: JointStates
-    drawn: Sequence[tuple[SignalResidual, str, str]]
-
-    def figure(self) -> Figure:
-        """One row against the states, one for each record against time."""
-        import matplotlib.pyplot as plt
-
-        kinds = ("angle", "rate", "torque") if self.states.moves else ("angle", "torque")
-        records = self.rows.labels[:4] if self.states.moves else ()
-        figure = plt.figure(figsize=(9.5, 2.6 * (1 + len(records))), layout="constrained")
-        grid = figure.add_gridspec(1 + len(records), 6)
-        width = 6 // len(kinds)
-        first = [figure.add_subplot(grid[0, width * k : width * (k + 1)]) for k in range(len(kinds))]
-        for ax, kind in zip(first, kinds, strict=True):
-            self._against_state(ax, kind)
-        below = [figure.add_subplot(grid[1 + k, :]) for k in range(len(records))]
-        for ax, record in zip(below, records, strict=True):
-            self._against_time(ax, record)
-        for ax in (first[0], *below):
-            ax.set_ylabel(f"gap [{self._scale[1]}]", fontsize="small")
-        first[0].legend(loc="best", fontsize="x-small")
-        figure.suptitle(f"{self.rows.signal}, {self.direction}: measured - model", fontsize="medium")
-        return figure
-
-    def _against_state(self, ax: Axes, kind: str) -> None:
-        for gap, colour, label in self.drawn:
-            states = of_joint(gap.states, self.states.joint)
-            values = self._scale[0] * gap.directions[self.direction]
-            ax.plot(getattr(states, kind), values, ".", ms=2.5, color=colour, label=label)
-        self._dress(ax, f"{kind} of {self.states.joint} [{self.states.units[kind]}]")
-
-    def _against_time(self, ax: Axes, record: str) -> None:
-        for gap, colour, label in self.drawn:
+    if not before.gaps:
+        raise InvalidParameter("holds no gap to draw", where="located")
+    name = signal or max(before.gaps, key=lambda name: float(np.sum(before.gaps[name].whitened ** 2)))
+    for model in filter(None, (before, after)):
+        if name not in model.gaps:
+            raise InvalidParameter(f"there is no signal {name!r}; there are {', '.join(model.gaps)}")
+    gaps = [(before.gaps[name], BEFORE, "before")] if after else [(before.gaps[name], AFTER, "gap")]
+    gaps += [(after.gaps[name], AFTER, "after")] if after else []
+    rows, direction = before.gaps[name], largest_direction(before.gaps[name])
+    joint = turned_most(before, rows)
+    kinds, records = states_drawn([joint]), rows.labels[:4] if joint.moves else ()
+    figure = plt.figure(figsize=(9.5, 2.6 * (1 + len(records))), layout="constrained")
+    grid = figure.add_gridspec(1 + len(records), 6)
+    width = 6 // len(kinds)
+    first = [figure.add_subplot(grid[0, width * k : width * (k + 1)]) for k in range(len(kinds))]
+    below = [figure.add_subplot(grid[1 + k, :]) for k in range(len(records))]
+    factor, unit = scale([float(np.abs(rows.directions[direction]).max())], rows.unit)
+    for ax, kind in zip(first, kinds, strict=True):
+        for gap, colour, label in gaps:
+            states = getattr(of_joint(gap.states, joint.joint), kind)
+            ax.plot(states, factor * gap.directions[direction], ".", ms=2.5, color=colour, label=label)
+        ax.set_xlabel(f"{kind} of {joint.joint} [{joint.units[kind]}]", fontsize="small")
+    for k, (ax, record) in enumerate(zip(below, records, strict=True)):
+        zero = zero_of(rows.time[rows.record == k])
+        for gap, colour, label in gaps:
             inside = gap.record == gap.labels.index(record)
-            values = self._scale[0] * gap.directions[self.direction][inside]
-            time = gap.time[inside]
-            zero = zero_of(time)
-            ax.plot(time - zero, values, lw=0.8, color=colour, label=label)
-        after = f" after {zero:.0f} s" if zero else ""
-        self._dress(ax, f"time of {record}{after} [s]" if len(self.rows.labels) > 1 else f"time{after} [s]")
-
-    @cached_property
-    def _scale(self) -> tuple[float, str]:
-        """Factor and unit of the gap."""
-        return scale([float(np.abs(self.rows.directions[self.direction]).max())], self.rows.unit)
-
-    def _dress(self, ax: Axes, label: str) -> None:
-        """Noise as a band, zero, and units."""
-        sigma = self._scale[0] * float(np.sqrt(np.mean(self.rows.noise[self.direction] ** 2)))
+            values = factor * gap.directions[direction][inside]
+            ax.plot(gap.time[inside] - zero, values, lw=0.8, color=colour, label=label)
+        of = f" of {record}" if len(rows.labels) > 1 else ""
+        ax.set_xlabel(f"time{of}{f' after {zero:.0f} s' if zero else ''} [s]", fontsize="small")
+    sigma = factor * float(np.sqrt(np.mean(rows.noise[direction] ** 2)))
+    for ax in (*first, *below):
         ax.axhspan(-2 * sigma, 2 * sigma, color=NOISE, lw=0, label="noise, 2σ", zorder=0)
         if ax.get_xlim()[0] < 0 < ax.get_xlim()[1]:
             ax.axvline(0.0, color="0.85", lw=0.6, zorder=0)
-        ax.set_xlabel(label, fontsize="small")
         ax.tick_params(labelsize="small")
-
-
-def _largest(located: Localisation) -> str:
-    """Return the signal that holds most of the squared gap, over the noise."""
-    if not located.gaps:
-        raise InvalidParameter("holds no gap to draw", where="located")
-    return max(located.gaps, key=lambda name: float(np.sum(located.gaps[name].whitened ** 2)))
-
-
-def _named(located: Localisation, signal: str) -> SignalResidual:
-    if signal not in located.gaps:
-        raise InvalidParameter(f"there is no signal {signal!r}; there are {', '.join(located.gaps)}")
-    return located.gaps[signal]
+    for ax in (first[0], *below):
+        ax.set_ylabel(f"gap [{unit}]", fontsize="small")
+    first[0].legend(loc="best", fontsize="x-small")
+    figure.suptitle(f"{name}, {direction}: measured - model", fontsize="medium")
+    return figure

@@ -79,42 +79,6 @@ def effective_samples(count: int) -> int:
     return min(count, POLICY.independent_samples)
 
 
-def fit_gain(
-    y: Floats, p: Floats, regressors: Floats, prior_std: Floats, noise: float, model_error: float
-) -> GainFit:
-    """Estimate the gain s of (1) between readings y and prediction p, both (n,).
-
-    `regressors` (n, k) are c of (1); `prior_std` (k,) is S of (1), infinite where nothing is known; offsets
-    and turns of a channel in another unit are as much larger as its gain is. `noise` and `model_error` are of
-    (3).
-    """
-    A = np.column_stack([p, regressors])
-    gain, std, sigma, rms, penalty = 1.0, np.inf, float(np.hypot(noise, model_error)), np.inf, 0.0
-    for _ in range(ROUNDS):
-        last, prior = gain, prior_std * max(1.0, abs(gain))
-        x, spread = _posterior(A, y, np.append(0.0, 1 / prior**2), sigma)
-        gain, std = float(x[0]), float(np.sqrt(spread[0]))
-        rms, penalty = float(np.sqrt(np.mean((y - A @ x) ** 2))), _penalty(x[1:], prior)
-        sigma = max(rms, float(np.hypot(noise, gain * model_error)))
-        if abs(gain - last) < 1e-3 * max(abs(gain), std):
-            break
-    return GainFit(gain, std, sigma, abs(gain) * float(np.std(p)), noise, rms, penalty)
-
-
-def fit_at_gain(
-    gain: float, y: Floats, p: Floats, regressors: Floats, prior_std: Floats, noise: float, model_error: float
-) -> GainFit:
-    """Estimate (1) at a given gain."""
-    rest, prior = y - gain * p, prior_std * max(1.0, abs(gain))
-    least = float(np.hypot(noise, gain * model_error))
-    sigma, rms, penalty = least, np.inf, 0.0
-    for _ in range(3):
-        x = _posterior(regressors, rest, 1 / prior**2, sigma)[0]
-        rms, penalty = float(np.sqrt(np.mean((rest - regressors @ x) ** 2))), _penalty(x, prior)
-        sigma = max(rms, least)
-    return GainFit(gain, 0.0, sigma, abs(gain) * float(np.std(p)), noise, rms, penalty)
-
-
 def _penalty(x: Floats, prior: Floats) -> float:
     return float(0.5 * np.sum((x / prior) ** 2))
 
@@ -249,15 +213,34 @@ class Channel:
         return f"{self.signal.name} {self.name}".rstrip()
 
     def fit(self) -> GainFit:
-        """Return the regression of the readings on the prediction."""
-        return fit_gain(
-            self.measured, self.predicted, self.regressors, self.prior_std, self.noise, self.model_error
-        )
+        """Return the estimate of (1); offsets and turns in another unit are as much larger as the gain."""
+        y, p = self.measured, self.predicted
+        A = np.column_stack([p, self.regressors])
+        gain, std, sigma, rms, penalty = 1.0, np.inf, self._least_sigma(1.0), np.inf, 0.0
+        for _ in range(ROUNDS):
+            last, prior = gain, self.prior_std * max(1.0, abs(gain))
+            x, spread = _posterior(A, y, np.append(0.0, 1 / prior**2), sigma)
+            gain, std = float(x[0]), float(np.sqrt(spread[0]))
+            rms, penalty = float(np.sqrt(np.mean((y - A @ x) ** 2))), _penalty(x[1:], prior)
+            sigma = max(rms, self._least_sigma(gain))
+            if abs(gain - last) < 1e-3 * max(abs(gain), std):
+                break
+        return GainFit(gain, std, sigma, abs(gain) * float(np.std(p)), self.noise, rms, penalty)
 
     def fit_at_gain(self, gain: float) -> GainFit:
-        """Return the same at a given gain."""
-        args = (self.measured, self.predicted, self.regressors, self.prior_std, self.noise, self.model_error)
-        return fit_at_gain(gain, *args)
+        """Return the estimate of (1) at a given gain."""
+        rest, prior = self.measured - gain * self.predicted, self.prior_std * max(1.0, abs(gain))
+        sigma, rms, penalty = self._least_sigma(gain), np.inf, 0.0
+        for _ in range(3):
+            x = _posterior(self.regressors, rest, 1 / prior**2, sigma)[0]
+            rms, penalty = float(np.sqrt(np.mean((rest - self.regressors @ x) ** 2))), _penalty(x, prior)
+            sigma = max(rms, self._least_sigma(gain))
+        moving = abs(gain) * float(np.std(self.predicted))
+        return GainFit(gain, 0.0, sigma, moving, self.noise, rms, penalty)
+
+    def _least_sigma(self, gain: float) -> float:
+        """Return sigma_0 of (3)."""
+        return float(np.hypot(self.noise, gain * self.model_error))
 
     @property
     def least_scatter(self) -> float:

@@ -20,11 +20,13 @@ and angles, and only where p moves by `noisy_plateau_motion`.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.validation.channel import QUASI_STATIC, Channel, fit_at_gain
+from flexarm.validation.channel import QUASI_STATIC, Channel
 from flexarm.validation.finding import ChannelFinding, cost, log_bayes
 from flexarm.validation.policy import POLICY
 
@@ -232,8 +234,7 @@ def frozen_as_dead(channel: Channel, at: Rows, sentence: str) -> ChannelFinding 
     if at.mean() < POLICY.lost_share:
         return None
     y, p = channel.measured[at], channel.predicted[at]
-    columns = channel.regressors[at]
-    before = fit_at_gain(1.0, y, p, columns, channel.prior_std, channel.noise, 0.0).scatter
+    before = replace(channel.select(at), model_error=0.0).fit_at_gain(1.0).scatter
     after = max(channel.noise, 1e-3 * before)
     bayes = log_bayes(int(at.sum()), before, after)
     if bayes <= 0:

@@ -208,7 +208,7 @@ def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] 
     sensors = [
         _as_sensor(signal, drive.start, noise or {}, said)
         for signal in record.signals.values()
-        if signal.name not in record.drive and _measured(signal)
+        if signal.name not in record.drive and signal.quantity in NOISE and len(signal.time) > 1
     ]
     if not sensors:
         alone = from_drive(name, drive, arm, record.clocks, record.frames)
@@ -237,11 +237,6 @@ def _ended(drive: Drive) -> Drive:
 def _shows(sensor: Sensor, joint: str) -> bool:
     """Return True if a sensor of the model shows a motor's angle."""
     return sensor.quantity == "joint_angle" and sensor.joint == joint and sensor.side != "output"
-
-
-def _measured(signal: Signal) -> bool:
-    """Return True if a simulation predicts a signal."""
-    return signal.quantity in NOISE and len(signal.time) > 1
 
 
 def _tracker(arm: Arm, drive: Drive) -> Sensor:

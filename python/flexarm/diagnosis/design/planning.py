@@ -152,7 +152,8 @@ def plan(
     """
     begun = time.monotonic()
     tell = progress or (lambda done, what: None)
-    runs = [_experiment(name, drive, arm, clocks, frames) for name, drive in _by_name(drives).items()]
+    given = drives if isinstance(drives, Mapping) else {f"run_{k + 1}": each for k, each in enumerate(drives)}
+    runs = [_experiment(name, drive, arm, clocks, frames) for name, drive in given.items()]
     if not runs:
         raise InvalidParameter("needs at least one motion", where="drives")
     tell(0.02, "simulating")
@@ -198,11 +199,3 @@ def _experiment(
     if isinstance(drive, Record):
         return from_record(name, drive, arm)
     return from_drive(name, drive, arm, clocks, frames)
-
-
-def _by_name(
-    drives: Mapping[str, Drive | Record] | Sequence[Drive | Record],
-) -> dict[str, Drive | Record]:
-    if isinstance(drives, Mapping):
-        return dict(drives)
-    return {f"run_{k + 1}": drive for k, drive in enumerate(drives)}

@@ -181,7 +181,8 @@ def _promising(
     sharp = rescreened_at_size(estimator, shares[: 2 * policy.proposals], best)
     at_ends = at_ends and (not sharp or sharp[0].share < policy.halfway)
     if at_ends and policy.allows("prior_ends"):
-        sharp = _sharpest([*sharp, *rescreened_at_size(estimator, _at_ends(estimator, probed, best), best)])
+        ends = rescreened_at_size(estimator, _at_ends(estimator, probed, best), best)
+        sharp = one_variant(sorted([*sharp, *ends], key=lambda share: -share.share), len(probed))
     wanted = sharp[: policy.proposals]
     there = {share.places for share in wanted}
     least = policy.negligible_share
@@ -203,11 +204,6 @@ def _at_ends(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[
             ends = [candidate.effect.with_parameters({name: value}) for value in (prior.low, prior.high)]
             found += [Share((replace(candidate, effect=effect),), 0.0) for effect in ends]
     return found
-
-
-def _sharpest(shares: Sequence[Share]) -> list[Share]:
-    """Return the best candidate of each place, the best first."""
-    return one_variant(sorted(shares, key=lambda share: -share.share), len(shares))
 
 
 def _leads(shares: Sequence[Share], smaller: Fit, alike: float) -> bool:
