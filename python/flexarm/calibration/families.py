@@ -17,11 +17,11 @@ from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.arrays import Floats
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
-from flexarm.diagnosis.candidate import ACROSS
 from flexarm.diagnosis.candidates import places_of
 from flexarm.diagnosis.family import HierarchicalPrior
 from flexarm.diagnosis.nuisance import bare_key
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter
 
 
@@ -148,7 +148,7 @@ def _family(members: Sequence[tuple[str, Prior, Effect]], policy: CalibrationPol
             f"effects.{effect.name}.{effect.at}.{name}",
             each,
             hierarchy.spread,
-            None if effect.smooth else ACROSS * (each.high - each.low) / (2 * QUANTILE),
+            None if effect.smooth else FIT.non_smooth_step * (each.high - each.low) / (2 * QUANTILE),
         )
         for name, each, effect in members
     )

@@ -42,8 +42,9 @@ from flexarm.diagnosis.moves.proposals import one_variant
 from flexarm.diagnosis.moves.search_state import small_steps
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.refinement import ROUNDS, predicted_decrease, refinement_step
+from flexarm.diagnosis.refinement import predicted_decrease, refinement_step
 from flexarm.diagnosis.screening import LONGER, Probed, Share, rescreened_at_size, screen
+from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter
 from flexarm.named_effects import Place
 
@@ -97,10 +98,6 @@ def _away(chosen: Candidate, best: Fit, own: NDArray[np.bool_]) -> Floats:
             away = float(best.z[k]) - parameter.z(null) if isfinite(null) else away
         found.append(away)
     return np.array(found)
-
-
-NEARER = 0.3
-"""Least gain of ln Z, made or predicted, for another step of an alternative: a tenth of what decides."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -293,9 +290,9 @@ def _caught_up(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_gap: b
     about = estimator.about(fit)
     fit = about.fit(fit.members, nearby=fit) if open_gap else about.linearised(fit.members)
     behind = log_bayes_factor(best, fit, problem)
-    for _ in range(0 if open_gap else ROUNDS):
+    for _ in range(0 if open_gap else FIT.converging_steps):
         if predicted_decrease(fit) / 2 < max(
-            NEARER, behind - policy.within_sight
+            FIT.least_gain, behind - policy.within_sight
         ):  # no step would bring it near
             break
         try:
@@ -303,7 +300,7 @@ def _caught_up(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_gap: b
         except FIT_ERRORS:
             break
         before, behind = behind, log_bayes_factor(best, fit, problem)
-        if before - behind < max(NEARER, behind - policy.within_sight):  # nor another one like this
+        if before - behind < max(FIT.least_gain, behind - policy.within_sight):  # nor another one like this
             break
     return fit, behind
 

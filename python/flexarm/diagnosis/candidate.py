@@ -22,11 +22,9 @@ from flexarm.arm.effect import Effect
 from flexarm.arm.joint_units import parameters_in, priors_in
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arrays import Floats
+from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter
 from flexarm.named_effects import Place
-
-WEIGHT = 1 / 3
-"""Weight of priors in fits: `diagnosis.least_squares`."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +82,7 @@ class Candidate:
 
     def prior_weight(self, name: str) -> float:
         """Return the weight of a parameter's prior in a fit."""
-        return WEIGHT
+        return FIT.prior_weight
 
     @property
     def hyperprior_cost(self) -> float:
@@ -193,15 +191,6 @@ def value_of(effect: Effect | None, key: str) -> float:
 
 BOUNDS = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
 """Bounds of a parameter in sigmas of its prior, by the prior's scale: factors of thousands, or turns."""
-FACTOR = 30.0
-"""Least range of a logarithmic one, as a factor: a mass that was written down wrong is many sigmas off."""
-STEP, ACROSS = 3e-4, 1e-2
-"""Steps of differences in sigmas of a prior, for smooth and non-smooth laws.
-
-A hundredth of a sigma of a stiffness turns the phase of a vibration by tenths of a radian in a minute.
-"""
-TURN = 0.01
-"""Greatest phase that the step of a frequency adds until the end of a record [rad]."""
 
 
 @dataclass(frozen=True)
@@ -216,7 +205,7 @@ class TransformedParameter:
     """At the start of the fit."""
     smooth: bool = True
     """True if its law is smooth."""
-    weight: float = WEIGHT
+    weight: float = FIT.prior_weight
     """Of its prior in a fit, unless that is uniform."""
 
     @property
@@ -251,12 +240,12 @@ class TransformedParameter:
         """Of differences; of a frequency so small that the wave stays in step for so many seconds."""
         if self.name != "frequency" or seconds == 0:
             return self.widest_step
-        return min(self.widest_step, TURN / (2 * pi * seconds * self.slope(z)))
+        return min(self.widest_step, FIT.phase_step / (2 * pi * seconds * self.slope(z)))
 
     @property
     def widest_step(self) -> float:
         """Of differences, whatever z is."""
-        return STEP if self.smooth else ACROSS
+        return FIT.smooth_step if self.smooth else FIT.non_smooth_step
 
     def log_density(self, z: float) -> float:
         """Eq. (2); of a uniform prior, the same everywhere."""
@@ -276,7 +265,11 @@ class TransformedParameter:
     def bound(self) -> float:
         """Greatest size of z in a fit."""
         bound = BOUNDS[self.prior.scale]
-        return max(bound, log(FACTOR) / min(self._pieces()[1:])) if self.prior.scale == "log" else bound
+        return (
+            max(bound, log(FIT.least_factor) / min(self._pieces()[1:]))
+            if self.prior.scale == "log"
+            else bound
+        )
 
 
 def transformed_parameters(members: Sequence[Candidate], arm: Arm) -> tuple[TransformedParameter, ...]:

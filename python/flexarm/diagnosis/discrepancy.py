@@ -39,17 +39,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.filters import recursive_filter
 from flexarm.record import Record
-
-TRANSIENT = 64
-"""Samples after which the gain of (2) is constant: it settles within a few, or does not matter."""
-PAUSE = 3.0
-"""Interval over the usual one that is a pause of a record."""
-LENGTHS = (0.1, 0.2, 0.5)
-"""Correlation lengths of poses, over the spread of their angles."""
-LONGEST = 0.1
-"""Greatest correlation length in time, part of the record."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +63,10 @@ class TimeDiscrepancy:
     @cached_property
     def gains(self) -> tuple[Floats, Floats]:
         """V_t of (2) and P_t/V_t of the first samples of a stretch, the last one for all others."""
-        variance, gain = np.empty(TRANSIENT + 1), np.empty(TRANSIENT + 1)
+        variance, gain = np.empty(NOISE_MODEL.transient + 1), np.empty(NOISE_MODEL.transient + 1)
         phi, predicted = self._phi, self.size
         fresh = self.size * (1 - phi**2)
-        for t in range(TRANSIENT):
+        for t in range(NOISE_MODEL.transient):
             variance[t] = predicted + self.noise
             gain[t] = predicted / variance[t]
             predicted = phi**2 * predicted * self.noise / variance[t] + fresh  # eq. (2)
@@ -96,15 +88,15 @@ class TimeDiscrepancy:
         variance, gain = self.gains
         phi, found = self._phi, np.empty_like(values)
         state = np.zeros(values.shape[1:])
-        for t in range(min(TRANSIENT, len(values))):
+        for t in range(min(NOISE_MODEL.transient, len(values))):
             error = values[t] - state
             found[t] = error / np.sqrt(variance[t])
             state = phi * (state + gain[t] * error)  # eq. (2)
-        if len(values) > TRANSIENT:
-            fresh = values[TRANSIENT:] - phi * values[TRANSIENT - 1 : -1]
-            fresh[0] = values[TRANSIENT] - state
+        if len(values) > NOISE_MODEL.transient:
+            fresh = values[NOISE_MODEL.transient :] - phi * values[NOISE_MODEL.transient - 1 : -1]
+            fresh[0] = values[NOISE_MODEL.transient] - state
             rest = recursive_filter(fresh, np.array([1.0, -phi * (1 - gain[-1])]))
-            found[TRANSIENT:] = rest / np.sqrt(variance[-1])
+            found[NOISE_MODEL.transient :] = rest / np.sqrt(variance[-1])
         return found
 
     @property
@@ -139,7 +131,11 @@ class TimeDiscrepancy:
         variance = np.log(self.gains[0])
         counts = [rows.stop - rows.start for rows in self.stretches]
         return float(
-            sum(variance[: min(n, TRANSIENT)].sum() + max(n - TRANSIENT, 0) * variance[-1] for n in counts)
+            sum(
+                variance[: min(n, NOISE_MODEL.transient)].sum()
+                + max(n - NOISE_MODEL.transient, 0) * variance[-1]
+                for n in counts
+            )
         )
 
 
@@ -186,7 +182,11 @@ def log_prior(square: Any) -> Any:
 def stretches(time: Floats) -> list[slice]:
     """Return the rows between pauses of a record."""
     steps = np.diff(time)
-    ends = np.flatnonzero(steps > PAUSE * np.median(steps)) + 1 if len(steps) else np.empty(0, dtype=int)
+    ends = (
+        np.flatnonzero(steps > NOISE_MODEL.pause * np.median(steps)) + 1
+        if len(steps)
+        else np.empty(0, dtype=int)
+    )
     edges = [0, *ends.tolist(), len(time)]
     return [slice(a, b) for a, b in pairwise(edges)]
 
@@ -196,7 +196,7 @@ def in_time(rest: Floats, time: Floats, noise: float) -> TimeDiscrepancy:
     n = len(rest)
     omega, power, count = _binned(rest)
     sizes = noise * np.geomspace(1e-3, max(10.0 * float(np.mean(rest**2)) / noise, 1.0), 60)
-    longest = max(LONGEST * n, 2.0)
+    longest = max(NOISE_MODEL.longest * n, 2.0)
     lengths = np.geomspace(1.0, longest, max(int(3 * np.log(longest)), 2))
     phi = np.exp(-1.0 / lengths)[:, None]
     shape = (1 - phi**2) / (1 - 2 * phi * np.cos(omega) + phi**2)
@@ -210,10 +210,6 @@ def in_time(rest: Floats, time: Floats, noise: float) -> TimeDiscrepancy:
     return TimeDiscrepancy(there, noise, float(sizes[i]), float(lengths[j]))
 
 
-BINS = 80
-"""Bands of frequency in which a periodogram is summed: its density is smooth."""
-
-
 def _binned(rest: Floats) -> tuple[Floats, Floats, Floats]:
     """Return angular frequencies [rad/sample], mean periodogram and number of values of each band."""
     n = len(rest)
@@ -223,7 +219,7 @@ def _binned(rest: Floats) -> tuple[Floats, Floats, Floats]:
     if n % 2 == 0:
         weight[-1] = 1.0
     omega = 2 * np.pi * np.arange(len(power)) / n
-    edges = np.unique(np.geomspace(1, len(power), BINS).astype(int))
+    edges = np.unique(np.geomspace(1, len(power), NOISE_MODEL.bins).astype(int))
     starts = np.concatenate([[0], edges[:-1]]) if len(edges) > 1 else np.array([0])
     count = np.add.reduceat(weight, starts)
     return (
@@ -244,12 +240,14 @@ def angles_of_poses(record: Record, pose: NDArray[Any]) -> Floats:
 
 
 def pose_kernels(angles: Floats) -> list[tuple[Floats, Floats]]:
-    """Return eigenvalues and eigenvectors of K for each of `LENGTHS`, from angles of shape (n, joints)."""
+    """Return eigenvalues and eigenvectors of K for each of `NOISE_MODEL.pose_lengths`, from angles of shape
+    (n, joints).
+    """
     spread = angles.std(axis=0)
     scaled = (angles - angles.mean(axis=0))[:, spread > 0] / spread[spread > 0]
     square = np.sum((scaled[:, None] - scaled[None]) ** 2, axis=2) / max(scaled.shape[1], 1)
     found = []
-    for length in LENGTHS:
+    for length in NOISE_MODEL.pose_lengths:
         values, vectors = np.linalg.eigh(np.exp(-square / (2 * length**2)))
         found.append((np.maximum(values, 0.0), vectors))
     return found

@@ -23,18 +23,10 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate, transformed_parameters, with_members
 from flexarm.diagnosis.family import with_spreads
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection, gls_nuisance
-from flexarm.diagnosis.least_squares import EVALUATIONS, TOLERANCE, LeastSquares
+from flexarm.diagnosis.least_squares import LeastSquares
 from flexarm.diagnosis.nuisance import NuisanceModel
 from flexarm.diagnosis.problem import Problem
-
-LIKELY = 2.0
-"""Sigmas within which nominal values are centred."""
-CENTRED, BETTER = 10, 0.98
-"""Most rounds of centring nominal values; part of a gap left below which another round is made."""
-NEARBY = 0.1
-"""Sigmas, rms, that a model's residual may move while its discretisation error is kept."""
-PREDICTED = 0.1
-"""Part of a move that derivatives with respect to nuisance parameters may miss and are kept."""
+from flexarm.diagnosis.settings import FIT
 
 
 @dataclass(eq=False)
@@ -86,7 +78,7 @@ class Estimator:
         at = np.where(self.jacobian.any(axis=0), self._found_at(fit, part), 0.0)
         there = replace(self, at=at, members=fit.members)
         missed, move = there.residual(fit.members) - fit.residual, self.jacobian @ (at - self.at)
-        if float(missed @ missed) > max(1.0, PREDICTED**2 * float(move @ move)):
+        if float(missed @ missed) > max(1.0, FIT.move_missed**2 * float(move @ move)):
             return self.about(fit, part)
         return there._corrected()
 
@@ -135,20 +127,20 @@ class Estimator:
         """Return the same with the discretisation error of its own model, unless that at hand is as good."""
         arm = self.with_effects(self.members)
         here = self.problem.residual(arm)
-        if np.mean((here - self.corrected) ** 2) < NEARBY**2:
+        if np.mean((here - self.corrected) ** 2) < FIT.same_error**2:
             return self
         return replace(self, correction=self.problem.correction(arm), corrected=here)
 
     def centred(self) -> Estimator:
         """Return the same about nominal values that fit better, as these act nonlinearly.
 
-        Clocks and frames stay, since effects may replace them. Values stay within `LIKELY` sigmas, and
-        unchanged where there is no such model.
+        Clocks and frames stay, since effects may replace them. Values stay within `FIT.centred_within`
+        sigmas, and unchanged where there is no such model.
         """
         there, fit = self, self.fit(())
         nominal = np.array([unknown.kind == "nominal" for unknown in self.nuisance.parameters])
-        reach = np.where(nominal, LIKELY * self.nuisance.sigma, np.inf)
-        for _ in range(CENTRED):
+        reach = np.where(nominal, FIT.centred_within * self.nuisance.sigma, np.inf)
+        for _ in range(FIT.centring_rounds):
             best = fit.projection.solve_within(fit.residual, reach)
             kept = [u.kept(float(x)) for u, x in zip(self.nuisance.parameters, best, strict=True)]
             try:
@@ -156,7 +148,7 @@ class Estimator:
                 better = about.fit(())
             except FIT_ERRORS:
                 break
-            if better.cost > BETTER * fit.cost:
+            if better.cost > FIT.better_share * fit.cost:
                 break
             there, fit = about, better
         return there
@@ -192,8 +184,8 @@ class Estimator:
     def fit(
         self,
         members: Sequence[Candidate],
-        evaluations: int = EVALUATIONS,
-        tolerance: float = TOLERANCE,
+        evaluations: int = FIT.evaluations,
+        tolerance: float = FIT.tolerance,
         limit: float = inf,
         nearby: Fit | None = None,
     ) -> Fit:

@@ -74,11 +74,9 @@ from flexarm.diagnosis.discrepancy import Discrepancy, in_time, of_poses
 from flexarm.diagnosis.fit import Fit, NormalEquations, Projection, gls_step, joint_jacobian
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import Rows
+from flexarm.diagnosis.settings import NOISE_MODEL
 
 Channel = tuple[str, str, int]
-
-LAGS = 12
-"""L of (2), in samples."""
 
 
 def autocovariance(values: Floats, lags: int) -> Floats:
@@ -102,7 +100,7 @@ def above_noise(rest: Floats, problem: Problem, non_smooth: bool = False) -> dic
     found = {}
     for each, where in problem.channels():
         values, explained_square = rest[where], each.explained_square(non_smooth)
-        gamma = autocovariance(values, min(LAGS, len(values) - 1))
+        gamma = autocovariance(values, min(NOISE_MODEL.lags, len(values) - 1))
         square = gamma[0] - 1.0 - explained_square
         if _in_time(each, problem):
             square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (2)

@@ -48,6 +48,7 @@ from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.fit import Fit, NormalEquations, joint_jacobian
+from flexarm.diagnosis.settings import FIT
 from flexarm.named_effects import Place
 
 
@@ -123,10 +124,6 @@ class HierarchicalPrior:
             of_mean = -(((self.mean - m) / s) ** 2) / 2 - log(2 * pi * s**2) / 2
             found += of_mean + log(2 * pi / (n / self.spread**2 + 1 / s**2)) / 2
         return found  # eq. (5)
-
-
-ROUNDS = 5
-"""Steps of expectation maximisation; each moves a spread less than half as far as the one before."""
 
 
 @dataclass(frozen=True)
@@ -318,7 +315,7 @@ def with_spreads(fit: Fit) -> Fit:
     """Return a fit with the means and spreads of its families' sizes, of which the posterior is greatest."""
     if not any(_opened(member) for member in fit.members):
         return fit
-    for _ in range(ROUNDS):
+    for _ in range(FIT.spread_rounds):
         variance = np.diag(covariance(fit))
         fit = _on_scales_of(fit, [_updated(fit, k, variance) for k in range(len(fit.members))])
     return fit

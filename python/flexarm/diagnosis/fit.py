@@ -42,6 +42,7 @@ from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate, TransformedParameter, prior_rows
 from flexarm.diagnosis.nuisance import NuisanceModel
 from flexarm.diagnosis.residual_rows import is_non_smooth
+from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.named_effects import Place
 
@@ -146,23 +147,17 @@ class Fit:
         return (*self.members[parameter.candidate].place, parameter.name)
 
 
-UNKNOWN = 1e-15
-"""Part of the greatest eigenvalue below which a direction is undetermined: rounding."""
-ROUNDED = 1e-10
-"""The same after rows were subtracted: their rounding stays."""
-
-
 @dataclass(frozen=True)
 class NormalEquations:
-    """H of (3): `hessian` is S H S, `scale` the diagonal of S, `unknown` as `UNKNOWN`."""
+    """H of (3): `hessian` is S H S, `scale` the diagonal of S, `unknown` as `FIT.undetermined`."""
 
     hessian: Floats
     scale: Floats
-    unknown: float = UNKNOWN
+    unknown: float = FIT.undetermined
 
     @classmethod
     def of(
-        cls, jacobian: Floats, prior: Floats, weight: Floats | None = None, unknown: float = UNKNOWN
+        cls, jacobian: Floats, prior: Floats, weight: Floats | None = None, unknown: float = FIT.undetermined
     ) -> NormalEquations:
         """From J of shape (n, m), Lambda or its diagonal, and the diagonal of W, all ones if not given."""
         held = prior if prior.ndim == 2 else np.diag(prior)
@@ -174,7 +169,7 @@ class NormalEquations:
     def without(self, jacobian: Floats) -> NormalEquations:
         """Return the same less rows of which these are J."""
         own = jacobian * self.scale
-        return NormalEquations(self.hessian - own.T @ own, self.scale, ROUNDED)
+        return NormalEquations(self.hessian - own.T @ own, self.scale, FIT.undetermined_after)
 
     def solved(self, gradient: Floats) -> Floats:
         """H^-1 times vectors of shape (m, ...)."""
@@ -205,10 +200,6 @@ def joint_jacobian(fit: Fit) -> tuple[Floats, Floats, Floats]:
     return jacobian, residual, np.concatenate([held, 1.0 / fit.projection.sigma**2])
 
 
-NO_WEIGHT = 1e-12
-"""`unknown` of weighted rows: directions that they hardly determine keep their values."""
-
-
 def gls_step(fit: Fit, jacobian: Floats, residual: Floats) -> Floats:
     """Return dz and dx from a fit to the optimum of (4), from whitened derivatives and residual."""
     plain = np.column_stack([fit.jacobian, fit.projection.jacobian])
@@ -228,4 +219,6 @@ def _least(fit: Fit, jacobian: Floats, residual: Floats) -> Floats:
     rows, bends = prior_rows(fit.parameters, fit.z)
     held = np.concatenate([bends**2, 1.0 / fit.projection.sigma**2])
     pull = np.concatenate([bends * rows, np.zeros_like(fit.projection.sigma)])
-    return -NormalEquations.of(jacobian, held, unknown=NO_WEIGHT).solved(jacobian.T @ residual + pull)
+    return -NormalEquations.of(jacobian, held, unknown=FIT.undetermined_weighted).solved(
+        jacobian.T @ residual + pull
+    )

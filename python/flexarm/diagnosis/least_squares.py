@@ -30,21 +30,12 @@ from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate, TransformedParameter, members_at, prior_rows
 from flexarm.diagnosis.fit import Projection
+from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter, NotConverged
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.estimator import Estimator
     from flexarm.diagnosis.fit import Fit
-
-
-PREDICTED = 0.25
-"""Part of a step's effect that (2) may miss before differences are computed."""
-EVALUATIONS, TOLERANCE = 8, 2e-3
-"""Most evaluations of a fit besides differences; relative tolerance of its steps, of (1) a tenth of it."""
-TAKEN_OVER = 1.0
-"""Sigmas of its prior by which a parameter may lie elsewhere in a model whose derivatives are taken over."""
-MORE = 2.0
-"""Multiple of the last or the predicted fall of (1) that a fit may still fall."""
 
 
 class _FarOff(Exception):
@@ -78,8 +69,8 @@ class LeastSquares:
     def solve(
         self,
         start: Floats,
-        evaluations: int = EVALUATIONS,
-        tolerance: float = TOLERANCE,
+        evaluations: int = FIT.evaluations,
+        tolerance: float = FIT.tolerance,
         limit: float = inf,
     ) -> Floats:
         """Return z at the minimum of (1) within the bounds, or where the fit was terminated early.
@@ -151,7 +142,7 @@ class LeastSquares:
         ahead = rows + jacobian @ np.linalg.lstsq(jacobian, -rows, rcond=None)[0]
         falls = max(self._least - least, least - float(ahead @ ahead))  # the first fall is not known: inf
         self._least = least
-        if least - MORE * falls > self._limit:
+        if least - FIT.further_fall * falls > self._limit:
             raise _FarOff
 
     def jacobian_at(self, z: Floats) -> Floats:
@@ -182,7 +173,7 @@ class LeastSquares:
         found = {}
         for k, parameter in enumerate(self.parameters):
             i = there.get((*self.members[parameter.candidate].place, parameter.name))
-            if i is not None and abs(z[k] - self.nearby.z[i]) < TAKEN_OVER:
+            if i is not None and abs(z[k] - self.nearby.z[i]) < FIT.reused_within:
                 found[k] = self.nearby.jacobian[:, i]
         return found
 
@@ -197,7 +188,7 @@ class LeastSquares:
         jacobian, dz = self._slopes[self._last.tobytes()], z - self._last
         step = self.residual(z) - self.residual(self._last)
         missed = step - jacobian @ dz
-        if float(missed @ missed) > PREDICTED**2 * float(step @ step):
+        if float(missed @ missed) > FIT.step_missed**2 * float(step @ step):
             return None
         updated: Floats = jacobian + np.outer(missed, dz / float(dz @ dz))  # eq. (2)
         return updated

@@ -46,6 +46,7 @@ from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
 from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.diagnosis.problem import Problem, extrapolated
 from flexarm.diagnosis.residual_rows import is_non_smooth
+from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.smoothing import smooth
 from flexarm.record import Record
@@ -89,16 +90,6 @@ def _sentences(name: str, record: Record, signal: Signal, noise: float | None) -
     return [f"{begin}, nor does the training: it does not align {listed(places)}"] if places else []
 
 
-DRAWS = 4
-"""Draws of n in (1): a mode responds within its own bandwidth, which is few values."""
-ERROR_DRAWS = 8
-"""The same for intervals: their width is then known to a quarter."""
-NEGLIGIBLE = 0.3
-"""Least error of some channel, over its noise, that counts: smaller ones add 4 %."""
-REPORTED = 0.5
-"""Least error, over the noise, that is reported."""
-DOMINANT = 5.0
-"""Error, over the noise, beyond which it replaces the noise of a channel."""
 SEED = 0
 """Seed of n: the same for all models, so that they are compared alike."""
 
@@ -108,20 +99,20 @@ def allow_for_input_noise(problem: Problem, arm: Arm) -> None:
     rng = np.random.default_rng(SEED)
     with suppress(*FIT_ERRORS):
         errors = [_squared_error(problem, arm, rng)]
-        if errors[0].max(initial=0.0) < NEGLIGIBLE**2:
+        if errors[0].max(initial=0.0) < NOISE_MODEL.negligible**2:
             return
-        errors += [_squared_error(problem, arm, rng) for _ in range(DRAWS - 1)]
+        errors += [_squared_error(problem, arm, rng) for _ in range(NOISE_MODEL.draws - 1)]
         square = np.mean(errors, axis=0).tolist()
         rows = zip(problem.rows, square, strict=True)
         problem.rows = tuple(replace(each, input_noise=max(each.input_noise, s)) for each, s in rows)
 
 
 def input_noise_by_signal(problem: Problem) -> dict[str, float]:
-    """Return input noise over the own noise of each signal, where it exceeds `REPORTED`."""
+    """Return input noise over the own noise of each signal, where it exceeds `NOISE_MODEL.reported`."""
     most: dict[str, float] = {}
     for each in problem.rows:
         most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.input_noise))
-    return {signal: size for signal, size in most.items() if size > REPORTED}
+    return {signal: size for signal, size in most.items() if size > NOISE_MODEL.reported}
 
 
 def input_noise_remarks(sizes: Mapping[str, float], problem: Problem) -> list[str]:
@@ -133,12 +124,15 @@ def input_noise_remarks(sizes: Mapping[str, float], problem: Problem) -> list[st
 
 
 def weighted_by_input_noise(problem: Problem) -> Problem:
-    """Return the problem with input noise above `DOMINANT` as noise of its rows.
+    """Return the problem with input noise above `NOISE_MODEL.dominant` as noise of its rows.
 
     On a stiff arm a torque sensor reads mostly input noise where moves begin and end, and by its own noise it
     would outweigh all other signals.
     """
-    times = [sqrt(1.0 + each.input_noise) if each.input_noise > DOMINANT**2 else 1.0 for each in problem.rows]
+    times = [
+        sqrt(1.0 + each.input_noise) if each.input_noise > NOISE_MODEL.dominant**2 else 1.0
+        for each in problem.rows
+    ]
     if max(times, default=1.0) == 1.0:
         return problem
     found = problem.fresh()
@@ -159,7 +153,7 @@ def input_noise_errors(problem: Problem, arm: Arm) -> Floats:
     """Return residual errors for draws of (1), over the noise, shape (draws, n); (0, n) if there are none."""
     rng, found = np.random.default_rng(SEED), np.empty((0, len(problem)))
     with suppress(*FIT_ERRORS):
-        for _ in range(ERROR_DRAWS):
+        for _ in range(NOISE_MODEL.error_draws):
             error = _input_error(problem, arm, rng)
             if not error.any():
                 break
@@ -211,7 +205,7 @@ def allow_for_discretisation_error(problem: Problem, arm: Arm) -> None:
         coarse, half, quarter = (problem.with_step(problem.step / times).residual(arm) for times in (1, 2, 4))
         error = extrapolated(half, quarter) - extrapolated(coarse, half)  # eq. (2)
         square = [float(np.mean(error[each.where] ** 2)) for each in problem.rows]
-        if max(square) < NEGLIGIBLE**2:
+        if max(square) < NOISE_MODEL.negligible**2:
             return
         rows = zip(problem.rows, square, strict=True)
         problem.rows = tuple(
@@ -224,15 +218,9 @@ def discretisation_remarks(problem: Problem) -> list[str]:
     most: dict[str, float] = {}
     for each in problem.rows:
         most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.discretisation_error))
-    sizes = {signal: size for signal, size in most.items() if size > NEGLIGIBLE}
+    sizes = {signal: size for signal, size in most.items() if size > NOISE_MODEL.negligible}
     said = "no time step is fine enough for what bounces: half of it moves"
     return [f"{said} {times_noise(sizes)}, which is no gap"] if sizes else []
-
-
-HALVINGS = 2
-"""Most halvings of the step: a search then takes four times as long."""
-SECOND_ORDER = 4.0
-"""Least factor by which (3) falls where steps are halved, of 16: below, a finer step does not pay."""
 
 
 def with_fine_step(problem: Problem, arm: Arm) -> Problem:
@@ -241,12 +229,12 @@ def with_fine_step(problem: Problem, arm: Arm) -> Problem:
         return problem
     with suppress(*FIT_ERRORS):
         moved = _moved(problem, arm)
-        for _ in range(HALVINGS):
+        for _ in range(NOISE_MODEL.halvings):
             if not np.any(moved > problem.policy.model_errors):  # eq. (3)
                 break
             finer = problem.with_step(problem.step / 2)
             then = _moved(finer, arm)
-            if then.max() * SECOND_ORDER > moved.max():
+            if then.max() * NOISE_MODEL.second_order > moved.max():
                 break
             problem, moved = finer, then
     return problem

@@ -21,8 +21,8 @@ from flexarm.arm.uncertainty import owner_of
 from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.diagnosis.candidates import weighed
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.record_conditions import SIGMA
 from flexarm.diagnosis.residual_rows import is_non_smooth
+from flexarm.diagnosis.settings import FIT, NOISE_MODEL
 from flexarm.effects.base_tilt import BaseTilt
 from flexarm.effects.frame_registration import FrameRegistration
 from flexarm.effects.time_delay import TimeDelay
@@ -35,11 +35,6 @@ UNKNOWN_DELAY = 1.0
 """1 sigma of an unknown clock, about the first guess [s]."""
 UNKNOWN_POSE = {"translation": 0.1, "rotation": 0.1}
 """1 sigma of an unknown frame, about the first guess [m], [rad]."""
-KEPT = 0.8
-"""Greatest part that a nominal value may lose."""
-
-OVER_RIPPLES, WIDEST = 0.3, 0.02
-"""Differences of nominal values in non-smooth models, in sigmas, and at most as part of the value."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +88,11 @@ class NuisanceParameter:
             return 0.0
         if self.kind != "nominal" or not (self.one_sign or self.sigma < abs(self.centre)):
             return step
-        return max(step, -KEPT * self.centre) if self.centre >= 0 else min(step, -KEPT * self.centre)
+        return (
+            max(step, -FIT.greatest_loss * self.centre)
+            if self.centre >= 0
+            else min(step, -FIT.greatest_loss * self.centre)
+        )
 
 
 @dataclass(frozen=True)
@@ -131,7 +130,7 @@ class NuisanceModel:
         if not is_non_smooth(arm):
             return {}
         return {
-            u.key: min(OVER_RIPPLES * u.sigma, WIDEST * abs(u.centre) or u.sigma)
+            u.key: min(FIT.ripple_step * u.sigma, FIT.widest_step * abs(u.centre) or u.sigma)
             for u in self.parameters
             if u.kind == "nominal"
         }
@@ -161,7 +160,8 @@ def nuisance_model(problem: Problem) -> NuisanceModel:
                 there = parameters(arm, [FrameRegistration(at=name).model_key(kind)])
                 found += [NuisanceParameter(p.key, p.value, sigma, p.unit, "frame") for p in there]
     swings = [
-        NuisanceParameter(start.key, 0.0, SIGMA, start.unit, "start") for start in problem.initial_conditions
+        NuisanceParameter(start.key, 0.0, NOISE_MODEL.jerk, start.unit, "start")
+        for start in problem.initial_conditions
     ]
     tilts = [NuisanceParameter(tilt.key, tilt.stated, tilt.sigma, "rad", "base") for tilt in problem.tilts]
     return NuisanceModel(arm, (*found, *nominal(arm, problem.records), *swings, *tilts))

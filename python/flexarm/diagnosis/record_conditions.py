@@ -25,6 +25,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.drive import Drive
 from flexarm.drive.lead_in import LEAD
 from flexarm.errors import InvalidParameter, NotConverged
@@ -32,18 +33,6 @@ from flexarm.record import Record
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.problem import Problem
-
-
-MODES = 3
-"""Lowest modes that may swing."""
-SIGMA = 0.01
-"""1 sigma of a jerk [rad, m for a prismatic joint]: decimetres at the tip of a long arm."""
-HEIGHT = 1e-4
-"""h of (1), in the same unit."""
-FINER = 3
-"""Steps of fits over those of (1): what rings on must not fall out of step, (omega h)^2/12 of a turn each."""
-SEEN, OWN = 3.0, 0.03
-"""Least independent response to a jerk of one sigma, over the noise and over the greatest."""
 
 
 @dataclass(frozen=True)
@@ -83,14 +72,16 @@ def initial_condition_jacobian(
     """Columns of (1), shape (n, len(starts)); zero for records that are not observed."""
     found = np.zeros((len(problem), len(initial_conditions)))
     mine = [k for k, start in enumerate(initial_conditions) if start.record in problem.records]
-    finer = problem.with_step(problem.step / FINER)
+    finer = problem.with_step(problem.step / NOISE_MODEL.jerk_finer)
     before = finer.residual(arm) if mine else np.zeros(0)
     for k in mine:
         after = before.copy()
         finer.write_residual(
-            after, initial_conditions[k].record, finer.simulations.jerked(initial_conditions[k], arm, HEIGHT)
+            after,
+            initial_conditions[k].record,
+            finer.simulations.jerked(initial_conditions[k], arm, NOISE_MODEL.jerk_step),
         )
-        found[:, k] = (after - before) / HEIGHT  # eq. (1)
+        found[:, k] = (after - before) / NOISE_MODEL.jerk_step  # eq. (1)
     return found
 
 
@@ -100,7 +91,7 @@ def _possible(name: str, arm: Arm, drive: Drive) -> list[InitialCondition]:
 
     pose = {joint: float(motion(drive.start)) for joint, motion in drive.joints.items()}
     try:
-        frequencies = modes(arm, joints={**drive.rest, **pose}, count=MODES).frequency_hz
+        frequencies = modes(arm, joints={**drive.rest, **pose}, count=NOISE_MODEL.start_modes).frequency_hz
     except (InvalidParameter, NotConverged):
         return []
     return [
@@ -119,10 +110,10 @@ def _independent(
 
     if not initial_conditions:
         return []
-    columns = SIGMA * initial_condition_jacobian(problem, arm, initial_conditions)
+    columns = NOISE_MODEL.jerk * initial_condition_jacobian(problem, arm, initial_conditions)
     _, R, order = qr(columns, mode="economic", pivoting=True)
     own = np.abs(np.diag(R))
-    kept = order[: int(np.sum((own > SEEN) & (own > OWN * own[0])))]
+    kept = order[: int(np.sum((own > NOISE_MODEL.jerk_seen) & (own > NOISE_MODEL.jerk_own * own[0])))]
     return [initial_conditions[k] for k in sorted(kept)]
 
 

@@ -31,10 +31,11 @@ from flexarm.arrays import Floats
 from flexarm.budget import allows, current
 from flexarm.diagnosis.acceptance import conflict
 from flexarm.diagnosis.candidate import Candidate, TransformedParameter, members_at, prior_rows
-from flexarm.diagnosis.estimator import BETTER, Estimator
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import above_noise
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.residual_rows import is_non_smooth
+from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter, NotConverged
 
 
@@ -89,14 +90,6 @@ def _least(fit: Fit) -> Floats:
     return np.asarray(np.clip(fit.z + found, -bounds, bounds) - fit.z)
 
 
-STEPS = (0.1, 0.03, 0.01, 0.003)
-"""Parts of a parameter."""
-AHEAD = 3
-"""Steps that are looked at to each side."""
-MOVES = 4
-"""Most moves of one size."""
-
-
 def hooke_jeeves(fit: Fit, estimator: Estimator) -> tuple[Candidate, ...]:
     """Return the effects of a fit after Hooke-Jeeves steps along its non-smooth laws."""
     cornered = [j for j, c in enumerate(fit.parameters) if not c.smooth]
@@ -108,8 +101,8 @@ def hooke_jeeves(fit: Fit, estimator: Estimator) -> tuple[Candidate, ...]:
         return float(np.sum(solver.objective_rows(z) ** 2))
 
     z, least = fit.z, height(fit.z)
-    for part in STEPS:
-        for _ in range(MOVES):
+    for part in FIT.search_steps:
+        for _ in range(FIT.search_moves):
             tried = [
                 z + step * np.eye(len(z))[j]
                 for j in cornered
@@ -127,7 +120,7 @@ def hooke_jeeves(fit: Fit, estimator: Estimator) -> tuple[Candidate, ...]:
 def _steps(part: float, parameter: TransformedParameter, z: float) -> list[float]:
     """Return the steps of z by such parts of the parameter, up and down, within its bounds."""
     step = abs(part * parameter.value(z) / parameter.slope(z))
-    both = [sign * k * step for k in range(1, AHEAD + 1) for sign in (1, -1)]
+    both = [sign * k * step for k in range(1, FIT.search_ahead + 1) for sign in (1, -1)]
     return [each for each in both if abs(z + each) <= parameter.bound]
 
 
@@ -166,28 +159,16 @@ def _left(members: Sequence[Candidate], estimator: Estimator) -> float:
     return float(rest @ rest)
 
 
-ROUNDS = 6
-"""Most steps of `converged`."""
-IDLE, QUIET = 2, 0.4
-"""Of `refined_while_better`: rounds without progress, and residual above the noise at which it ends."""
-STILL, SETTLED = 1.0, 0.1
-"""Least fall of C in a round of either refinement, in squared sigmas of the residual."""
-SHORTER = (1.0, 0.3, 0.1)
-"""Parts of a step that are tried in turn (backtracking)."""
-NULL_ROUNDS = 2
-"""Rounds in which the model without effects is fitted about itself."""
-
-
 def fitted_null(start: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
     """Return the model without effects about its own optimum, as fits with effects are, and its estimator.
 
     The search itself starts with nominal clocks and frames, since effects may replace them.
     """
     best, there = start, estimator
-    for _ in range(NULL_ROUNDS):
+    for _ in range(FIT.null_rounds):
         fit, at = relinearised(best, there)
         before, (best, there) = best, (fit, at) if fit.cost < best.cost else (best, there)
-        if fit.cost > BETTER * before.cost:
+        if fit.cost > FIT.better_share * before.cost:
             break
     return best, there
 
@@ -213,12 +194,12 @@ def refined_while_better(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     """Return a fit refined while its cost falls, and its estimator."""
     best, there, idle = fit, about, 0
     with suppress(*FIT_ERRORS):
-        while idle < IDLE and not (_quiet(best, about) or current().spent):
+        while idle < FIT.idle_rounds and not (_quiet(best, about) or current().spent):
             ahead, at = refinement_step(best, there, anew=False)
             fell = objective(best) - objective(ahead)
-            if fell < STILL * sigma_squared(best):
+            if fell < FIT.least_fall * sigma_squared(best):
                 break
-            idle = 0 if fell > (1 - BETTER) * objective(best) else idle + 1
+            idle = 0 if fell > (1 - FIT.better_share) * objective(best) else idle + 1
             best, there = ahead, at
     return best, there
 
@@ -226,7 +207,7 @@ def refined_while_better(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
 def _quiet(fit: Fit, about: Estimator) -> bool:
     """Return True if the residual is well below the noise, without prior-data conflict."""
     left, policy = above_noise(fit.projected, about.problem, fit.non_smooth), about.problem.policy
-    return max(left.values()) < QUIET and conflict(fit, policy) < policy.conflict
+    return max(left.values()) < FIT.quiet and conflict(fit, policy) < policy.conflict
 
 
 def converged(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
@@ -240,16 +221,16 @@ def converged(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     here, at = fit, about
     with suppress(*FIT_ERRORS):
         here, at = linearised(fit, about)
-        for _ in range(ROUNDS if fit.members else 0):
+        for _ in range(FIT.converging_steps if fit.members else 0):
             if not allows("all fits had come to rest"):
                 break
             ahead, there = linearised(*refinement_step(here, at))
             fell = objective(here) - objective(ahead)
             if fell > 0:
                 here, at = ahead, there
-            if fell < SETTLED * sigma_squared(here):
+            if fell < FIT.converged_fall * sigma_squared(here):
                 break
-    rests = objective(here) < objective(fit) + STILL * sigma_squared(fit)
+    rests = objective(here) < objective(fit) + FIT.least_fall * sigma_squared(fit)
     smooth = fit.members and not is_non_smooth(about.with_effects(fit.members))
     return (here, at) if rests or smooth else (fit, about)
 
@@ -264,7 +245,7 @@ def refinement_step(fit: Fit, about: Estimator, anew: bool = True) -> tuple[Fit,
     """
     here, at = linearised(fit, about)
     far = predicted_decrease(here) > sigma_squared(here)
-    for part in SHORTER if far else SHORTER[:1]:
+    for part in FIT.backtracking if far else FIT.backtracking[:1]:
         with suppress(*FIT_ERRORS):
             ahead, there = gauss_newton_step(here, at, anew, part, objective(here))
             if objective(ahead) < objective(here):

@@ -35,6 +35,7 @@ from flexarm.arm.parameter import neighbours, parameters
 from flexarm.arrays import Floats
 from flexarm.comparison.poses import pose_numbers, solve_poses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
+from flexarm.diagnosis.settings import FIT, NOISE_MODEL
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.slopes import predict_slopes
 from flexarm.record import Record, Signal
@@ -47,12 +48,6 @@ if TYPE_CHECKING:
 def is_non_smooth(arm: Arm) -> bool:
     """Return True if a model has a non-smooth law."""
     return not all(effect.smooth for effect in arm.effects)
-
-
-REPEATS = 6
-"""Least rows beyond one a pose that show the noise: of two channels to a fifth."""
-ROUNDING = 1e-12
-"""Scatter over the greatest reading that is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,11 +138,11 @@ def noise_of_poses(name: str, signal: Signal, residual: Floats) -> float:
     known = np.isfinite(residual).all(axis=1)
     pose = np.asarray(signal.pose)[known]
     repeats = len(pose) - len(np.unique(pose))
-    sigma = repeated_noise(pose, residual[known]) if repeats >= REPEATS else None
-    if sigma is None or sigma < ROUNDING * np.nanmax(np.abs(signal.values)):
+    sigma = repeated_noise(pose, residual[known]) if repeats >= NOISE_MODEL.repeats else None
+    if sigma is None or sigma < NOISE_MODEL.rounding * np.nanmax(np.abs(signal.values)):
         raise InvalidParameter(
             f"state noise_std above zero; of poses only rows that repeat one would show it, needed are "
-            f"{REPEATS} that are not all alike, got {repeats}",
+            f"{NOISE_MODEL.repeats} that are not all alike, got {repeats}",
             where=f"records.{name}.signals.{signal.name}",
         )
     return sigma
@@ -169,16 +164,6 @@ def put_over_noise(found: Floats, rows: Iterable[Rows], values: Callable[[str], 
         found[each.where] = by_signal[each.signal][each.kept, each.channel] / each.sigma  # eq. (1)
 
 
-PART = 3e-4
-"""Of a parameter, for differences of runs.
-
-Newton's iterations stop a ten-millionth of a metre apart: for an arm that swings on for 30 s, 3e-5 of its
-modulus left up to 7 % of the derivative, ten times that a tenth of it.
-"""
-SHIFT = 1e-4
-"""Of a point, for a difference that is exact to rounding [m]."""
-
-
 def differences(
     problem: Problem, arm: Arm, keys: Sequence[str], steps: Mapping[str, float] = MappingProxyType({})
 ) -> Floats:
@@ -189,7 +174,9 @@ def differences(
     found = np.zeros((len(problem), len(keys)))
     wanted = parameters(arm, list(keys))
     seen = {p.key for p in wanted if _only_seen(problem, p.key)}
-    pairs = {p.key: neighbours(arm, p, steps.get(p.key), PART) for p in wanted if p.key not in seen}
+    pairs = {
+        p.key: neighbours(arm, p, steps.get(p.key), FIT.relative_step) for p in wanted if p.key not in seen
+    }
     problem.prepare(model for pair in pairs.values() for model, _ in pair)
     for k, key in enumerate(p.key for p in wanted):
         if key in seen:
@@ -265,10 +252,10 @@ def _point_slope(problem: Problem, arm: Arm, key: str) -> Floats:
         move = np.zeros_like(run.position)
         move[:, i] = _turned(run.orientation[:, i], "xyz".index(axis))  # eq. (3)
         ends = np.zeros((2, len(problem)))
-        for end, shift in zip(ends, (SHIFT, -SHIFT), strict=True):
+        for end, shift in zip(ends, (FIT.point_step, -FIT.point_step), strict=True):
             shifted = replace(run, position=run.position + shift * move)
             problem.write_residual(end, name, replace(pair, simulation=shifted), rows)
-        found += (ends[0] - ends[1]) / (2 * SHIFT)
+        found += (ends[0] - ends[1]) / (2 * FIT.point_step)
     return found
 
 

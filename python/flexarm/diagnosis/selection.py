@@ -28,7 +28,7 @@ from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.alternatives import Rival, rivals_of, without
 from flexarm.diagnosis.candidate import Candidate, is_required
 from flexarm.diagnosis.candidates import cardan_joints, driven_joints, effect_count
-from flexarm.diagnosis.estimator import BETTER, Estimator
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import explained_share, log_bayes_factor, log_odds_lost, press_rms
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.families import without_idle_places
@@ -43,9 +43,7 @@ from flexarm.diagnosis.refinement import (
     relinearised,
 )
 from flexarm.diagnosis.screening import Probed
-
-STEPS = 3
-"""Most times that a fit in conflict with priors is relinearised."""
+from flexarm.diagnosis.settings import FIT
 
 
 def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Criteria) -> tuple[Fit, Estimator]:
@@ -95,9 +93,9 @@ def _unsettled(others: Sequence[Fit], first: Fit, criteria: Criteria) -> list[Fi
 
 def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
     """Return a fit relinearised about itself while its cost falls clearly."""
-    for _ in range(STEPS):
+    for _ in range(FIT.relinearised):
         before, (fit, estimator) = fit, relinearised(fit, estimator)
-        if fit.cost > BETTER * before.cost:
+        if fit.cost > FIT.better_share * before.cost:
             break
     return fit, estimator
 

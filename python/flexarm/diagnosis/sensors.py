@@ -8,7 +8,7 @@ from rounding once more: with f the smoothed drive,
 
 is about as far from f as f is from the truth. The difference of the simulations along both is an error of
 each channel, added to its noise. Near a mode one u errs up to ten times as much as another: the largest error
-of `DRAWS` of them counts, `ROUGHLY` times.
+of `NOISE_MODEL.draws` of them counts, `NOISE_MODEL.quantisation_factor` times.
 
 **Zeros.** An encoder counts from where it was told to, and an inclinometer from where it was screwed on. The
 offset of each one that is evidence is fitted as a nominal value of 0,
@@ -34,8 +34,9 @@ from flexarm.arm.parameter import with_value
 from flexarm.arm.uncertainty import with_unit
 from flexarm.arrays import Floats
 from flexarm.comparison.poses import is_input
-from flexarm.diagnosis.noise_model import DRAWS, REPORTED, smoothed
+from flexarm.diagnosis.noise_model import smoothed
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.effects.sensor_offset import SensorOffset
@@ -48,12 +49,6 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.policy import SelectionPolicy
     from flexarm.named_effects import Refined
     from flexarm.record import Signal
-
-
-COARSE = 5.0
-"""Steps over the stated noise that the noise does not cover."""
-ROUGHLY = 2.0
-"""Factor of the error, as one motion hardly predicts that of another."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +84,7 @@ def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQua
             signal = record.signals[name]
             if signal.quantity == "joint_angle" and arm.effect(EncoderQuantisation.name, name) is None:
                 step = quantisation_step(signal.values[:, 0])
-                told = step <= COARSE * (signal.noise_std or np.inf)
+                told = step <= NOISE_MODEL.coarse_count * (signal.noise_std or np.inf)
                 steps.setdefault(name, []).append(0.0 if told else step)
     return tuple(
         EncoderQuantisation(at=name, step=float(np.median(found)))
@@ -106,10 +101,10 @@ def with_coarse_encoders(problem: Problem, seed: int) -> tuple[Problem, tuple[Co
     rng = np.random.default_rng(seed)
     for effect in coarse_encoders(arm, problem.records):
         there = arm.with_effect(effect)
-        error = np.max([_error(problem, there, effect, rng) for _ in range(DRAWS)], axis=0)
+        error = np.max([_error(problem, there, effect, rng) for _ in range(NOISE_MODEL.draws)], axis=0)
         most = int(np.argmax(error))
-        if error[most] > REPORTED:
-            variance += (ROUGHLY * error) ** 2
+        if error[most] > NOISE_MODEL.reported:
+            variance += (NOISE_MODEL.quantisation_factor * error) ** 2
             arm = there
             driven = [r for r in problem.records.values() if _moves_by(r, effect.at)]
             noise = min(record.signals[effect.at].noise_std or 0.0 for record in driven)

@@ -55,6 +55,7 @@ from flexarm.diagnosis.sensors import (
     with_zeros,
     without_idle_zeros,
 )
+from flexarm.diagnosis.settings import FIT
 from flexarm.diagnosis.uncertainty import (
     Estimates,
     bound_sentence,
@@ -74,9 +75,6 @@ if TYPE_CHECKING:
     from flexarm.record import Record
 
 Progress = Callable[[float, str], object] | None
-
-COARSE = 2.0
-"""Steps of fits over those of the diagnosis; what they miss is corrected about the model at hand."""
 
 
 @takes(
@@ -182,14 +180,14 @@ def _diagnosis(
     problem = Problem(
         with_zeros(arm, parted.training, policy),
         parted.training,
-        step=COARSE * step,
+        step=FIT.step_ratio * step,
         alpha=alpha,
         jobs=jobs or os.cpu_count() or 1,
         policy=policy,
     )
     problem = with_fine_step(problem, problem.arm)
-    remarks = (*remarks, *step_remarks(step, problem.step / COARSE))
-    step = problem.step / COARSE
+    remarks = (*remarks, *step_remarks(step, problem.step / FIT.step_ratio))
+    step = problem.step / FIT.step_ratio
     allow_for_input_noise(problem, problem.arm)
     input_noise = input_noise_by_signal(problem)
     problem, coarse = with_coarse_encoders(weighted_by_input_noise(problem), seed)

@@ -37,9 +37,10 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate, members_at
-from flexarm.diagnosis.estimator import PREDICTED, Estimator
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.settings import FIT
 from flexarm.diagnosis.uncertainty import Estimates, estimates_at
 from flexarm.effects.tabulated_law import TabulatedLaw
 from flexarm.missing_law.gaussian import GaussianData, GaussianModel
@@ -326,7 +327,7 @@ class _Linearised:
         """Return True if the derivatives miss a sigma of a single value, or a small part of what moves."""
         move = (self.moved(step).residual(self.members(step)) - self.fit.residual) / self.scale
         missed = move - self.change(step)
-        return float(missed @ missed) < max(1.0, PREDICTED**2 * float(move @ move))
+        return float(missed @ missed) < max(1.0, FIT.move_missed**2 * float(move @ move))
 
     def change(self, step: _Step) -> Floats:
         """Return what (1) says that a step changes of the residual, with x eliminated, over the noise."""

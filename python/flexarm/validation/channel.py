@@ -46,8 +46,6 @@ from flexarm.quantities import channel_names
 from flexarm.record import Signal
 from flexarm.validation.policy import POLICY
 
-ROUNDS = 8
-
 
 @dataclass(frozen=True)
 class GainFit:
@@ -95,10 +93,6 @@ def _posterior(A: Floats, y: Floats, weight: Floats, sigma: float) -> tuple[Floa
     return inverse @ (w * (B.T @ y)) / scale, np.diag(inverse) / scale**2
 
 
-SHORT = 5e-3
-"""Half the difference of time for dp/dt of (6) [s]."""
-
-
 def predicted_at(
     simulated: SimulatedRecord, signal: Signal, placement: Placement, shift: float = 0.0
 ) -> Floats:
@@ -116,8 +110,11 @@ def nuisance_regressors(
     axes, names = _axes(simulated, signal, placement, predicted), channel_names(signal.quantity, signal.axes)
     moving = simulated.record.kind == "motion"
     if moving:
-        ahead, behind = (predicted_at(simulated, signal, placement, shift) for shift in (-SHORT, SHORT))
-        delayed = (behind - ahead) / (2 * SHORT)  # eq. (6)
+        ahead, behind = (
+            predicted_at(simulated, signal, placement, shift)
+            for shift in (-POLICY.short_delay, POLICY.short_delay)
+        )
+        delayed = (behind - ahead) / (2 * POLICY.short_delay)  # eq. (6)
         both = [simulated.record.clocks[name] for name in {signal.clock, drive_clock(simulated.record)}]
         sigma = 0.05 if any(clock.unknown for clock in both) else hypot(*(clock.sigma for clock in both))
     for k in range(predicted.shape[1]):
@@ -217,7 +214,7 @@ class Channel:
         y, p = self.measured, self.predicted
         A = np.column_stack([p, self.regressors])
         gain, std, sigma, rms, penalty = 1.0, np.inf, self._least_sigma(1.0), np.inf, 0.0
-        for _ in range(ROUNDS):
+        for _ in range(POLICY.gain_rounds):
             last, prior = gain, self.prior_std * max(1.0, abs(gain))
             x, spread = _posterior(A, y, np.append(0.0, 1 / prior**2), sigma)
             gain, std = float(x[0]), float(np.sqrt(spread[0]))

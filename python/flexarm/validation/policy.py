@@ -38,8 +38,10 @@ class ValidationPolicy:
         }
     )  # [SI] offset of a sensor, by quantity; infinite of others
     frame_offset_std: float = 0.02  # [reach] offset of a frame, at least
+    short_delay: float = 5e-3  # [s] half the difference of time for the rate of a prediction
 
     # gains
+    gain_rounds: int = 8  # [-] most rounds of the estimate of a gain
     max_gain: float = 1.6  # [-] greatest gain, or its inverse, that a missing effect gives
     max_loaded_gain: float = 3.0  # [-] the same of quantities that bear loads
     max_load_gain: float = 20.0  # [-] gain that a load which is not stated may give to these

@@ -1,5 +1,7 @@
 """Claims about fits: time steps do not bias them, nominal values may act otherwise than in proportion."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from planted import run_of
@@ -12,6 +14,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.settings import FIT
 from flexarm.effects import BaseCompliance, ExternalVibration, JointCompliance, PayloadMass
 from flexarm.measurement import predict
 
@@ -78,8 +81,8 @@ def test_broydens_update_finds_what_differences_find(run, monkeypatch):
     there = JointCompliance(at="hinge", stiffness=1.0e5, damping=400.0)
     record = seen(run, nominal.with_effect(there))
     found, simulations = [], []
-    for part in (0.0, least_squares.PREDICTED):
-        monkeypatch.setattr(least_squares, "PREDICTED", part)
+    for part in (0.0, FIT.step_missed):
+        monkeypatch.setattr(least_squares, "FIT", replace(FIT, step_missed=part))
         both = problem(nominal, record)
         estimator = Estimator.nominal(both, nuisance_model(both))
         first = [c for c in candidates(both, estimator.nuisance.arm) if c.name == "joint_compliance"]

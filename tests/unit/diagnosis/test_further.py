@@ -8,13 +8,14 @@ from arms import crane, there_and_back, tracker
 from flexarm.diagnosis.alternatives import Rival
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.design.experiment import from_drive
-from flexarm.diagnosis.design.next_experiment import ENOUGH, next_experiment
+from flexarm.diagnosis.design.next_experiment import next_experiment
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
+from flexarm.diagnosis.settings import DESIGN
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.record import Clock, Frame
 
@@ -54,7 +55,7 @@ def test_a_spring_is_parted_from_a_soft_link_by_the_shape_of_the_link():
     made = choice(("link_stiffness", "rod"))
     assert made.rivals[0][0].behind < SelectionPolicy.reach
     found = next_experiment(made, made.estimator.problem)
-    assert found.gain >= ENOUGH
+    assert found.gain >= DESIGN.enough
     assert "torque" not in found.sentence
     assert found.sentence.startswith("Repeat 'slow' ")
     assert "joint compliance at hinge from link stiffness at rod" in found.sentence
@@ -64,7 +65,7 @@ def test_a_spring_is_parted_from_a_soft_link_by_the_shape_of_the_link():
 def test_a_spring_is_parted_from_a_heavier_load_by_the_torque_the_cheapest_way():
     made = choice(("payload_mass", "load"))
     found = next_experiment(made, made.estimator.problem)
-    assert found.gain >= ENOUGH
+    assert found.gain >= DESIGN.enough
     assert "with the motor torque of hinge logged" in found.sentence
     assert found.minutes == pytest.approx(15.0)
 

@@ -10,10 +10,11 @@ import flexarm
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves import search_state as module
-from flexarm.diagnosis.moves.search_state import SMALL, rescreened
+from flexarm.diagnosis.moves.search_state import rescreened
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import LONGER, probe, screen
+from flexarm.diagnosis.settings import FIT
 from flexarm.effects import LinkMass, PayloadInertia
 from flexarm.errors import NotConverged
 from flexarm.measurement import predict
@@ -74,7 +75,7 @@ def test_small_steps_are_derivatives_about_the_fit(heavier):
     [load] = of(near, LOAD)
     problem = estimator.problem.with_step(LONGER * estimator.problem.step)
     there = estimator.with_effects(fit.members)
-    step = 100 * SMALL
+    step = 100 * FIT.small_probe
     further = there.with_effect(load.candidate.nudged(0, step))
     move = (problem.residual(further) - problem.residual(there)) / step
     assert np.linalg.norm(load.moves[:, 0] - move) < 0.01 * np.linalg.norm(move)
@@ -121,9 +122,9 @@ def test_springs_take_one_small_step_and_softer_ones_are_as_soft_as_they_were_pr
     np.testing.assert_allclose(
         full.moves[:, 0], problem.residual(there.with_effect(soft)) - problem.residual(there)
     )
-    moved = there.with_effect(base.candidate.nudged(0, SMALL))
+    moved = there.with_effect(base.candidate.nudged(0, FIT.small_probe))
     np.testing.assert_allclose(
-        small.moves[:, 0] * SMALL, problem.residual(moved) - problem.residual(there), atol=1e-9
+        small.moves[:, 0] * FIT.small_probe, problem.residual(moved) - problem.residual(there), atol=1e-9
     )
 
 

@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 import flexarm
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis.candidate import ACROSS, STEP, TransformedParameter
+from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Projection
@@ -22,6 +22,7 @@ from flexarm.diagnosis.refinement import (
     objective,
     predicted_decrease,
 )
+from flexarm.diagnosis.settings import FIT
 from flexarm.diagnosis.uncertainty import estimates
 from flexarm.effects import LinkStiffness
 from flexarm.measurement import predict
@@ -95,7 +96,7 @@ def test_a_fit_of_another_fitter_is_evaluated_anew(first):
     assert here.projection is not fit.projection
 
 
-@pytest.mark.parametrize("smooth, step", [(True, STEP), (False, ACROSS)])
+@pytest.mark.parametrize("smooth, step", [(True, FIT.smooth_step), (False, FIT.non_smooth_step)])
 def test_laws_with_corners_are_stepped_across_them(smooth, step):
     prior = Prior(0.6, 1.25, 1.0, "log", "-", "a test")
     assert TransformedParameter(0, "scale", prior, smooth).step(0.0, 30.0) == step

@@ -9,7 +9,8 @@ from arms import compliance, crane
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.nuisance import NuisanceModel, NuisanceParameter
-from flexarm.diagnosis.refinement import STEPS, hooke_jeeves
+from flexarm.diagnosis.refinement import hooke_jeeves
+from flexarm.diagnosis.settings import FIT
 from flexarm.effects import Backlash
 
 PRIOR = Prior(1e-4, 2e-3, 5e-4, "log", "rad", "made up")
@@ -41,7 +42,7 @@ def test_a_ripple_is_stepped_over():
     near = 1e-3 * np.linspace(1.0, 1.003, 61)
     assert 0 < np.argmin([rippled(gap) for gap in near]) < 60  # downhill ends within the ripple
     found = hooke_jeeves(*problem_of(rippled))
-    assert found == pytest.approx(1.07e-3, rel=STEPS[-1])
+    assert found == pytest.approx(1.07e-3, rel=FIT.search_steps[-1])
 
 
 def test_where_no_step_leads_down_nothing_moves():

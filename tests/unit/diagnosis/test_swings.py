@@ -11,7 +11,8 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.naming import transient_remarks
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.record_conditions import FINER, HEIGHT, initial_condition_jacobian
+from flexarm.diagnosis.record_conditions import initial_condition_jacobian
+from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.diagnosis.uncertainty import estimates
 from flexarm.drive.lead_in import LEAD
 from flexarm.record import Clock, Frame
@@ -66,10 +67,12 @@ def test_columns_are_in_proportion(problem):
     """A jerk twenty times as high moves all signals as much more, within a thousandth."""
     start = problem.initial_conditions[0]
     [column] = initial_condition_jacobian(problem, problem.arm, [start]).T
-    finer = problem.with_step(problem.step / FINER)
+    finer = problem.with_step(problem.step / NOISE_MODEL.jerk_finer)
     high = finer.residual(problem.arm).copy()
-    finer.write_residual(high, "late", finer.simulations.jerked(start, problem.arm, 20 * HEIGHT))
-    move = (high - finer.residual(problem.arm)) / (20 * HEIGHT)
+    finer.write_residual(
+        high, "late", finer.simulations.jerked(start, problem.arm, 20 * NOISE_MODEL.jerk_step)
+    )
+    move = (high - finer.residual(problem.arm)) / (20 * NOISE_MODEL.jerk_step)
     assert np.linalg.norm(move - column) < 1e-3 * np.linalg.norm(column)
 
 

@@ -17,27 +17,14 @@ from flexarm.arm.attachment import Point
 from flexarm.arm.link import Beam
 from flexarm.arm.sensor import Sensor
 from flexarm.assembly import following_joints, rigid_values
-from flexarm.diagnosis.design.experiment import CONTROLLER, NOISE, RATE_HZ, Experiment
+from flexarm.diagnosis.design.experiment import CONTROLLER, NOISE, Experiment
+from flexarm.diagnosis.settings import DESIGN
 from flexarm.errors import InvalidParameter
 from flexarm.record.table import CarriedPayload
 from flexarm.simulation import Simulation
 
 MINUTES = {"torque": 15.0, "run": 30.0, "payload": 45.0, "reflector": 60.0}
 """To log a signal, to make one more run, with another payload that is weighed, to glue a reflector."""
-LIGHTER = 0.35
-"""The other payload, times the one of the run."""
-TURN = 0.5
-"""How far another pose is [rad], or [m] times a tenth of it for a joint that slides."""
-LEVER = 0.25
-"""A reflector at a hub stands so far off the axis of the link that it sees it turn [m]."""
-GLUED = 1e-3
-"""1 sigma of the place of a reflector that is added [m]."""
-TORQUE_NOISE = 0.01
-"""Of a logged torque, over its greatest value in the run."""
-SETTLED = 0.05
-"""A logged torque counts after so much of the run: where a drive starts with a jump it says little."""
-NEAR = 0.2
-"""A reflector is there already if one is so near, over the length of the link."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,9 +50,9 @@ def menu(arm: Arm, runs: Sequence[Experiment], first: Simulation) -> list[Additi
 
 
 def with_points(arm: Arm, additions: Sequence[Addition]) -> Arm:
-    """Return the model with the reflectors of additions, which stand where they should to `GLUED`."""
+    """Return the model with the reflectors of additions, which stand where they should to `DESIGN.glued`."""
     points = [point for addition in additions for point in addition.points]
-    uncertain = {f"points.{point.name}.position_m": GLUED for point in points}
+    uncertain = {f"points.{point.name}.position_m": DESIGN.glued for point in points}
     return arm.replace(points=(*arm.points, *points), uncertainty={**arm.uncertainty, **uncertain})
 
 
@@ -76,7 +63,7 @@ def _torques(run: Experiment, simulation: Simulation) -> Iterator[Addition]:
         if joint in seen or joint not in simulation.joints:
             continue
         torque = simulation.motor_torque[:, simulation.joints.index(joint)]
-        noise = TORQUE_NOISE * float(np.abs(torque).max())
+        noise = DESIGN.torque_noise * float(np.abs(torque).max())
         if not noise > 0:
             continue
         sensor = Sensor(
@@ -87,7 +74,7 @@ def _torques(run: Experiment, simulation: Simulation) -> Iterator[Addition]:
             rate_hz=_rate(run),
             noise_std=noise,
             clock=clock,
-            start=SETTLED * (run.drive.end - run.drive.start),
+            start=DESIGN.settled * (run.drive.end - run.drive.start),
         )
         yield Addition(f"with the motor torque of {joint} logged", MINUTES["torque"], sensors=(sensor,))
 
@@ -108,9 +95,9 @@ def _reflectors(arm: Arm, runs: Sequence[Experiment]) -> Iterator[Addition]:
         ]
         for place, where, share in (
             ("mid", 0.5 * np.asarray(link.end), 0.5),
-            ("hub", LEVER * _across(arm, link), 0.0),
+            ("hub", DESIGN.lever * _across(arm, link), 0.0),
         ):
-            if any(abs(share - each) < NEAR for each in there):
+            if any(abs(share - each) < DESIGN.near for each in there):
                 continue
             name = _free(f"{link.name}_{place}", run, [p.name for p in arm.points])
             point = Point(name=name, link=link.name, position=tuple(float(x) for x in where))
@@ -125,7 +112,7 @@ def _reflectors(arm: Arm, runs: Sequence[Experiment]) -> Iterator[Addition]:
                 clock=like.clock if like else next(iter(run.clocks)),
                 frame=like.frame if like else "base",
             )
-            words = "at mid-span" if place == "mid" else f"{LEVER:g} m off the hub"
+            words = "at mid-span" if place == "mid" else f"{DESIGN.lever:g} m off the hub"
             yield Addition(
                 f"with a reflector {words} of {link.name}",
                 MINUTES["reflector"],
@@ -140,7 +127,7 @@ def _motions(arm: Arm, run: Experiment) -> Iterator[Addition]:
         carried = run.payloads.get(load.name)
         mass = carried.mass if carried is not None and carried.mass is not None else load.mass
         if mass:
-            other = CarriedPayload(mass=LIGHTER * mass)
+            other = CarriedPayload(mass=DESIGN.lighter * mass)
             again = replace(run, payloads={**run.payloads, load.name: other})
             words = f"with {other.mass:.3g} kg for {load.name}, weighed"
             yield Addition(words, MINUTES["payload"], runs=(again,))
@@ -153,7 +140,7 @@ def _motions(arm: Arm, run: Experiment) -> Iterator[Addition]:
         shafts = {gear.input for gear in arm.gears}
         if joint.name in shafts:
             continue
-        turn, unit = (TURN, "rad") if joint.type == "revolute" else (TURN / 10, "m")
+        turn, unit = (DESIGN.turn, "rad") if joint.type == "revolute" else (DESIGN.turn / 10, "m")
         words = f"with {joint.name} moved by {turn:g} {unit} throughout"
         elsewhere = run.turned(joint.name, turn)
         if _closes(arm, elsewhere):
@@ -188,7 +175,7 @@ def _across(arm: Arm, link: Beam) -> np.ndarray:
 
 def _rate(run: Experiment) -> float:
     """Of a sensor that is added: as the trackers'."""
-    return next((s.rate_hz for s in run.sensors if s.quantity == "position"), RATE_HZ)
+    return next((s.rate_hz for s in run.sensors if s.quantity == "position"), DESIGN.tracker_hz)
 
 
 def _free(name: str, run: Experiment, more: Sequence[str] = ()) -> str:

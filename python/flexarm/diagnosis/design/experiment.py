@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.arm.sensor import Sensor
+from flexarm.diagnosis.settings import DESIGN
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.measure import measure
@@ -24,10 +25,6 @@ from flexarm.wording import scale
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.record.table import BaseStand, CarriedPayload, DrawnLink
-
-
-DRIVE_HZ = 250.0
-"""Samples of the drive a second."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +84,7 @@ class Experiment:
     def _shown(self, joint: str, name: str, arm: Arm) -> Signal:
         """Return the signal of a drive, exact."""
         moved = self.drive.joints[joint]
-        count = max(round((self.drive.end - self.drive.start) * DRIVE_HZ), 8)
+        count = max(round((self.drive.end - self.drive.start) * DESIGN.drive_hz), 8)
         time = np.linspace(self.drive.start, self.drive.end, count + 1)
         command = moved.side == "command"
         return Signal(
@@ -131,8 +128,6 @@ class Experiment:
         return replace(self, drive=replace(drive, joints=joints))
 
 
-RATE_HZ = 10.0
-"""Of a tracker that is assumed [Hz]."""
 NOISE = {
     "position": 5e-5,
     "deflection": 5e-5,
@@ -171,8 +166,8 @@ def from_drive(
         sensors = [_tracker(arm, drive)]
         said.append(
             f"a tracker of '{sensors[0].point}', the last of the model's points, with "
-            f"{_size(NOISE['position'], 'm')} of noise at {RATE_HZ:g} Hz and nothing else, since the model "
-            "has no sensors: state those you have as [[sensors]]"
+            f"{_size(NOISE['position'], 'm')} of noise at {DESIGN.tracker_hz:g} Hz and nothing else, since "
+            "the model has no sensors: state those you have as [[sensors]]"
         )
     placed = [_placed(sensor, said) for sensor in sensors]
     known_clocks, known_frames = dict(clocks or {}), dict(frames or {})
@@ -249,7 +244,7 @@ def _tracker(arm: Arm, drive: Drive) -> Sensor:
     name = arm.points[-1].name
     free = name if name not in drive.joints else f"{name}_tracker"
     noise = NOISE["position"]
-    return Sensor(name=free, quantity="position", point=name, rate_hz=RATE_HZ, noise_std=noise)
+    return Sensor(name=free, quantity="position", point=name, rate_hz=DESIGN.tracker_hz, noise_std=noise)
 
 
 def _placed(sensor: Sensor, said: list[str]) -> Sensor:

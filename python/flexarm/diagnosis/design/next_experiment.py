@@ -31,12 +31,10 @@ from flexarm.diagnosis.nuisance import NuisanceParameter, nominal
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
+from flexarm.diagnosis.settings import DESIGN
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record
 from flexarm.wording import listed, number, place_words
-
-PRIOR = 3.0
-"""Sigma of z in (1), as in `least_squares`."""
 
 
 def gains(
@@ -160,16 +158,12 @@ def _expected(present: _Rows, found: _Next, k: int, signals: Iterable[str]) -> f
     more = len(new.nuisance) - len(present.nuisance)
     before = np.column_stack([present.jacobian, np.zeros((len(present.jacobian), more)), present.moves[k]])
     after = np.column_stack([new.jacobian, new.moves[k]])[kept]
-    sigma = np.concatenate([[u.sigma for u in new.nuisance], np.full(present.moves[k].shape[1], PRIOR)])
+    sigma = np.concatenate(
+        [[u.sigma for u in new.nuisance], np.full(present.moves[k].shape[1], DESIGN.prior_sigma)]
+    )
     apart = np.concatenate([present.apart[k], new.apart[k][kept]])
     v = Projection(np.vstack([before, after]), sigma).project(apart[:, None])  # eq. (1)
     return float(expected_log_bayes_factor(v, len(apart))[0])
-
-
-ENOUGH = 10.0
-"""Of additions that all promise so much ln B, the cheapest is proposed."""
-MOST = 3
-"""Alternatives that are simulated."""
 
 
 @dataclass(frozen=True)
@@ -194,7 +188,7 @@ def next_experiment(choice: Choice, problem: Problem, unexplained: bool = False)
     if unexplained:
         return NextExperiment(_to_describe(problem, motions))
     pairs = [(k, rival) for k, rivals in enumerate(choice.rivals) for rival in rivals if rival.within_reach]
-    pairs = sorted(pairs, key=lambda pair: pair[1].behind)[:MOST]
+    pairs = sorted(pairs, key=lambda pair: pair[1].behind)[: DESIGN.alternatives]
     if not pairs:
         return NextExperiment()
     if not motions:
@@ -215,7 +209,7 @@ def _promising(gains: Iterator[tuple[Addition, list[float]]]) -> list[tuple[Addi
     found: list[tuple[Addition, float]] = []
     for _, alike in groupby(gains, key=lambda pair: pair[0].minutes):
         new = [(addition, gain) for addition, each in alike if np.isfinite(gain := min(each))]
-        if any(gain >= ENOUGH for _, gain in new):
+        if any(gain >= DESIGN.enough for _, gain in new):
             return new
         found += new
     return found

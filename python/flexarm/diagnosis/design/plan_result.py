@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.diagnosis.settings import DESIGN
 from flexarm.output import SavedAsDirectory
 
 if TYPE_CHECKING:
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 
 
 Place = tuple[str, str]
-FAR = 10.0
-"""Sizes beyond so many times the plausible one are not stated: the law need not be linear so far."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +75,8 @@ class PlannedEffect:
 
     @property
     def detectable(self) -> bool:
-        """Return True if the least size is within `FAR` plausible ones."""
-        return self.times <= FAR
+        """Return True if the least size is within `DESIGN.far` plausible ones."""
+        return self.times <= DESIGN.far
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from flexarm.configuration import version
 from flexarm.diagnosis.candidate import value_of
 from flexarm.diagnosis.design.candidate_measurements import menu
 from flexarm.diagnosis.design.experiment import Experiment, from_drive, from_record
-from flexarm.diagnosis.design.plan_result import FAR, Plan, PlannedEffect, Tie
+from flexarm.diagnosis.design.plan_result import Plan, PlannedEffect, Tie
 from flexarm.diagnosis.design.separation import (
     VirtualExperiments,
     against_none,
@@ -35,6 +35,7 @@ from flexarm.diagnosis.design.separation import (
     ties,
 )
 from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.diagnosis.settings import DESIGN
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
@@ -44,10 +45,6 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.candidate import Candidate
     from flexarm.diagnosis.design.separation import Shown
     from flexarm.record import Clock, Frame
-
-
-NOTHING = 1e-3
-"""Expected ln Bayes factor below which an effect leaves no trace in the signals."""
 
 
 def planned_effect(
@@ -80,13 +77,13 @@ def hidden(arm: Arm, effect: Effect, seen: float) -> str:
     A torque on a joint that cannot give way is taken by the drive.
     """
     sprung = any(each.is_spring for each in arm.effects_at(effect.at))
-    if effect.torque_at is not None and seen < NOTHING and not sprung:
+    if effect.torque_at is not None and seen < DESIGN.nothing and not sprung:
         return f"{effect.at} is rigid in the model: its drive takes the torque, which no sensor shows"
     if not seen > 0:
         return "it moves nothing that is measured"
     return (
-        f"not seen at {FAR:g} times that size either"
-        if FAR**2 * seen < SelectionPolicy.strong_evidence
+        f"not seen at {DESIGN.far:g} times that size either"
+        if DESIGN.far**2 * seen < SelectionPolicy.strong_evidence
         else ""
     )
 

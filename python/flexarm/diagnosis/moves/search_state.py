@@ -28,6 +28,7 @@ from flexarm.diagnosis.candidate import Candidate, nulls, value_of
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.screening import LONGER, Probed, linear_response
+from flexarm.diagnosis.settings import FIT
 from flexarm.named_effects import Place
 
 
@@ -63,10 +64,6 @@ def _softens_a_joint(member: Candidate) -> bool:
     """Return True for a spring at a joint that is rigid in the nominal model."""
     rigid = member.without is None or member.without.inert
     return member.effect.is_spring and member.effect.place == "joint" and rigid
-
-
-SMALL = 1e-3
-"""Part of a probe that is a small step; 0.03 is too nonlinear for the spring of a rigid joint."""
 
 
 def rescreened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
@@ -113,7 +110,7 @@ def small_steps(estimator: Estimator, candidates: Sequence[Candidate], fit: Fit)
     for candidate, arms in zip(own, nudged, strict=True):
         moves = np.empty((len(before), 0))
         with suppress(*FIT_ERRORS):
-            moves = np.array([(problem.residual(arm) - before) / SMALL for arm in arms]).T
+            moves = np.array([(problem.residual(arm) - before) / FIT.small_probe for arm in arms]).T
         yield Probed(candidate, moves) if moves.any() else None
 
 
@@ -127,7 +124,7 @@ def _nudged(estimator: Estimator, candidate: Candidate, fit: Fit) -> list[Arm]:
     arms = []
     for k in range(len(candidate.probes)):
         with suppress(*FIT_ERRORS):
-            small = replace(candidate, effect=candidate.nudged(k, SMALL))
+            small = replace(candidate, effect=candidate.nudged(k, FIT.small_probe))
             arms.append(estimator.with_effects((*fit.members, small)))
     return arms if len(arms) == len(candidate.probes) else []
 
