@@ -101,7 +101,7 @@ def _away(chosen: Candidate, best: Fit, own: NDArray[np.bool_]) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class Rival:
+class AlternativeModel:
     """An effect in the place of another one, with the rest refitted."""
 
     candidate: Candidate
@@ -124,14 +124,14 @@ class Rival:
         return close and self.predicts
 
 
-def rivals_of(
+def alternatives_of(
     k: int,
     best: Fit,
     criteria: Criteria,
     estimator: Estimator,
     probed: Sequence[Probed],
     tried: Sequence[Fit],
-) -> list[Rival]:
+) -> list[AlternativeModel]:
     """Return the alternatives of effect k of the chosen model, the best first.
 
     Fits that the search has `tried` are reused. If the model leaves a gap, fewer alternatives are fitted, and
@@ -173,7 +173,7 @@ def rivals_of(
         except FIT_ERRORS:
             continue
         found.append(_rival(candidate, fit, best, behind, problem, open_gap))
-    return sorted(found, key=lambda rival: rival.behind)
+    return sorted(found, key=lambda alternative: alternative.behind)
 
 
 def _promising(
@@ -194,14 +194,14 @@ def _rival(
     behind: float,
     problem: Problem,
     open_gap: bool,
-) -> Rival:
+) -> AlternativeModel:
     """Return an alternative; where a gap is left it is ahead only if it predicts clearly better."""
     member = next(m for m in fit.members if m.place == candidate.place)
     told = not open_gap or not predicts_better(best, fit, problem)
     if open_gap and not predicts_better(fit, best, problem):
         behind = max(behind, 0.0)
     fits_behind = log_likelihood_ratio(best, fit, problem)
-    return Rival(member, fit, behind, fits_behind, told, problem.policy.reach)
+    return AlternativeModel(member, fit, behind, fits_behind, told, problem.policy.reach)
 
 
 def without(others: tuple[Candidate, ...], estimator: Estimator, tried: Sequence[Fit]) -> Fit | None:
@@ -305,9 +305,9 @@ def _caught_up(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_gap: b
     return fit, behind
 
 
-def probabilities(rivals: Sequence[Rival], gain: float) -> list[float]:
+def probabilities(alternatives: Sequence[AlternativeModel], gain: float) -> list[float]:
     """Return eq. (1) of the chosen effect and its alternatives; `gain` is ln B_n."""
-    behind = [0.0, *(rival.behind for rival in rivals)]
+    behind = [0.0, *(alternative.behind for alternative in alternatives)]
     odds = [exp(-min(max(each, -50.0), 700.0)) for each in behind]
     nothing = exp(-min(max(gain, 0.0), 700.0))
     return [each / (nothing + sum(odds)) for each in odds]

@@ -42,9 +42,9 @@ def evidence_sentence(
     """Return the evidence for and against effect k of a choice in one sentence."""
     best = choice.best
     text = _shrinking(choice, k, problem)
-    if choice.rivals[k]:
-        rival = choice.rivals[k][0]
-        text += f"; next is {place_words(*rival.candidate.place)}, {_behind(rival.behind, choice.needed[k])}"
+    if choice.alternatives[k]:
+        first = choice.alternatives[k][0]
+        text += f"; next is {place_words(*first.candidate.place)}, {_behind(first.behind, choice.needed[k])}"
     if open_gap:
         with_it, without = (number(press_rms(fit, problem), 2) for fit in (best, choice.null))
         they = "it" if len(best.members) == 1 else "all of them"
@@ -99,13 +99,13 @@ def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
     return text + (f"; without {'it' if alone else 'them'} {spared}" if spared else "")
 
 
-def _behind(rival: float, gained: float) -> str:
+def _behind(alternative: float, gained: float) -> str:
     """Return how far behind an alternative is; no number beyond what the effect gains over none.
 
     Bayes factors of pairs do not add up: the more two models differ, the more the error of the simulation
     counts (eq. (3) of `diagnosis.evidence`).
     """
-    return f"behind by a ln Bayes factor of {_factor(rival)}" if rival <= gained else "far behind"
+    return f"behind by a ln Bayes factor of {_factor(alternative)}" if alternative <= gained else "far behind"
 
 
 def _factor(log_bayes: float) -> str:
@@ -178,16 +178,16 @@ def named_effects(
     """
     policy = problem.policy
     found = []
-    for k, (member, rivals) in enumerate(zip(choice.best.members, choice.rivals, strict=True)):
-        near = [rival for rival in rivals if rival.within_reach]
+    for k, (member, models) in enumerate(zip(choice.best.members, choice.alternatives, strict=True)):
+        near = [model for model in models if model.within_reach]
         odds = [min(p, policy.most_certain) for p in probabilities(near, choice.needed[k])]
         moving = [drift for drift in drifts if _moves(drift, member)]
         first = min(odds[0], 0.5) if moving or coarse else odds[0]
         if open_gap:
             first = min(first, choice.shares[k])
         alternatives = tuple(
-            Alternative(rival.candidate.name, rival.candidate.at, p)
-            for rival, p in zip(near, odds[1:], strict=True)
+            Alternative(each.candidate.name, each.candidate.at, p)
+            for each, p in zip(near, odds[1:], strict=True)
         )
         evidence = evidence_sentence(choice, k, moving, open_gap, problem)
         if coarse:
@@ -205,13 +205,18 @@ def _moves(drift: Drift, member: Candidate) -> bool:
 def rejected(choice: Choice, problem: Problem) -> tuple[Rejected, ...]:
     """Return effects out of reach, and those that were tried on the way."""
     found: dict[tuple[str, Place], Rejected] = {}
-    near = {rival.candidate.place for rivals in choice.rivals for rival in rivals if rival.within_reach}
+    near = {
+        alternative.candidate.place
+        for alternatives in choice.alternatives
+        for alternative in alternatives
+        if alternative.within_reach
+    }
     chosen = {*choice.best.places, *near}
-    for rivals in choice.rivals:
-        for rival in rivals:
-            place = rival.candidate.place
-            if not rival.within_reach and place not in chosen:
-                found[place] = Rejected(*place, -rival.behind, IN_ITS_PLACE)
+    for alternatives in choice.alternatives:
+        for alternative in alternatives:
+            place = alternative.candidate.place
+            if not alternative.within_reach and place not in chosen:
+                found[place] = Rejected(*place, -alternative.behind, IN_ITS_PLACE)
     for fit, _ in choice.tried:
         for place in fit.places:
             if place not in chosen and place not in found:

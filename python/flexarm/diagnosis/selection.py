@@ -25,7 +25,7 @@ import numpy as np
 
 from flexarm.budget import allows, current, until
 from flexarm.diagnosis.acceptance import Criteria, implausibility
-from flexarm.diagnosis.alternatives import Rival, rivals_of, without
+from flexarm.diagnosis.alternatives import AlternativeModel, alternatives_of, without
 from flexarm.diagnosis.candidate import Candidate, is_required
 from flexarm.diagnosis.candidates import cardan_joints, driven_joints, effect_count
 from flexarm.diagnosis.estimator import Estimator
@@ -119,7 +119,7 @@ class Choice:
     """The model without effects and the chosen one; both with nuisance parameters fitted."""
     estimator: Estimator
     """About the chosen model."""
-    rivals: list[list[Rival]] = field(default_factory=list)
+    alternatives: list[list[AlternativeModel]] = field(default_factory=list)
     """For each effect of `best`, the best first."""
     needed: list[float] = field(default_factory=list)
     """ln B of the chosen model over itself without each of its effects."""
@@ -145,7 +145,7 @@ def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = N
     with until(SEARCHED):
         best, about = forward_and_backward(state, estimator, tell)
     most = problem.policy.most_effects
-    tell("weighing rivals", most / (most + 1))
+    tell("fitting alternatives", most / (most + 1))
     with until(WEIGHED):
         choice = swap(state, *converged(best, about))
     gains = [(f, log_bayes_factor(f, null, problem)) for f in state.tried]
@@ -288,7 +288,7 @@ def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
     """
     choice, chosen, policy = with_alternatives(state, best, about), [], state.criteria.policy
     for _ in range(policy.most_effects):
-        ahead = min((r for each in choice.rivals for r in each), key=lambda r: r.behind, default=None)
+        ahead = min((r for each in choice.alternatives for r in each), key=lambda r: r.behind, default=None)
         if ahead is None or ahead.behind >= 0 or not policy.allows("swap"):
             break
         chosen.append(set(choice.best.places))
@@ -303,15 +303,17 @@ def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
 def with_alternatives(state: SearchState, best: Fit, about: Estimator) -> Choice:
     """Return a model with the alternatives of its effects and the evidence for each effect."""
     criteria = state.criteria
-    rivals, needed, shares = [], [], []
+    alternatives, needed, shares = [], [], []
     for k, member in enumerate(best.members):
-        rivals.append(rivals_of(k, best, criteria, about, state.candidates(best, about), state.tried))
+        alternatives.append(
+            alternatives_of(k, best, criteria, about, state.candidates(best, about), state.tried)
+        )
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         alone = not others or is_required(others, member)
         fewer = None if alone else without(others, about, state.tried)
         needed.append(log_bayes_factor(best, fewer or state.null, criteria.problem))
         shares.append(explained_share(best, fewer or state.null, criteria.problem))
-    return Choice(state.null, best, about, rivals, needed, shares)
+    return Choice(state.null, best, about, alternatives, needed, shares)
 
 
 def _fitted(estimator: Estimator, members: tuple[Candidate, ...], nearby: Fit) -> Fit | None:

@@ -99,9 +99,9 @@ def test_what_is_quieter_than_its_noise_has_no_gap_that_anything_could_leave():
 
 def test_no_effect_at_all_takes_part_in_the_odds():
     """Two names alike and odds of two over nothing: 2/5 each; strong evidence leaves nothing no part."""
-    rivals = [SimpleNamespace(behind=0.0)]
-    assert probabilities(rivals, log(2.0)) == pytest.approx([0.4, 0.4])
-    assert probabilities(rivals, 1e5) == pytest.approx([0.5, 0.5])
+    alternatives = [SimpleNamespace(behind=0.0)]
+    assert probabilities(alternatives, log(2.0)) == pytest.approx([0.4, 0.4])
+    assert probabilities(alternatives, 1e5) == pytest.approx([0.5, 0.5])
     assert probabilities([], log(4.0)) == pytest.approx([0.8])
 
 

@@ -71,7 +71,7 @@ def _named(left, coarse=False, needed=50.0, share=None):
     )
     fit.members, fit.parameters, fit.z, fit.projected = (member,), (), (), fit.residual
     choice = SimpleNamespace(
-        best=fit, null=null_of(0.0, 0.0), rivals=[[]], gain=50.0, needed=[needed], shares=[share]
+        best=fit, null=null_of(0.0, 0.0), alternatives=[[]], gain=50.0, needed=[needed], shares=[share]
     )
     choice.null.projected = choice.null.residual
     problem = SimpleNamespace(arm=SimpleNamespace(effect=lambda name, at: None), policy=SelectionPolicy())
@@ -109,13 +109,13 @@ def test_a_name_is_as_sure_as_the_model_with_it_is_ahead_of_the_one_without(name
 
 
 @pytest.mark.parametrize(
-    ("rival", "gained", "told"),
+    ("alternative", "gained", "told"),
     [
         (12.4, 50.0, "behind by a ln Bayes factor of 12"),
         (0.42, 50.0, "behind by a ln Bayes factor of 0.4"),
         (4010.0, 234.0, "far behind"),
     ],
 )
-def test_a_rival_is_told_no_farther_behind_than_no_effect_at_all(rival, gained, told):
+def test_a_rival_is_told_no_farther_behind_than_no_effect_at_all(alternative, gained, told):
     """Factors of pairs do not add up; a rival that may be neutral cannot be worse than none."""
-    assert _behind(rival, gained) == told
+    assert _behind(alternative, gained) == told

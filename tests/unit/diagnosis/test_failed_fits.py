@@ -9,10 +9,9 @@ import pytest
 from numpy.linalg import LinAlgError
 
 from flexarm.arm.prior import Prior
-from flexarm.diagnosis import alternatives as rivals
+from flexarm.diagnosis import alternatives, selection
 from flexarm.diagnosis import refinement as polish
 from flexarm.diagnosis import screening as screen
-from flexarm.diagnosis import selection
 from flexarm.diagnosis import selection as choose
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import TransformedParameter
@@ -160,9 +159,9 @@ def test_rivals_are_looked_for_beside_a_model_that_was_tried_where_none_can_be_f
     """The others without the chosen effect; None if these were never tried by themselves."""
     estimator = SimpleNamespace(fit=raises)
     tried = [Made(""), Made("a"), Made("ab")]
-    assert rivals.without((), estimator, tried) is tried[0]
-    assert rivals.without(Made("a").members, estimator, tried) is tried[1]
-    assert rivals.without(Made("b").members, estimator, tried) is None
+    assert alternatives.without((), estimator, tried) is tried[0]
+    assert alternatives.without(Made("a").members, estimator, tried) is tried[1]
+    assert alternatives.without(Made("b").members, estimator, tried) is None
 
 
 def test_what_cannot_follow_longer_steps_is_looked_at_in_those_of_fits(monkeypatch):

@@ -197,8 +197,8 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
     ahead = SimpleNamespace(behind=-3.0, predicts=True, fit=made("bd"))
 
     def with_alternatives(state, best, estimator):
-        rivals = [[ahead]] if best.name == "ad" else []
-        return SimpleNamespace(best=best, estimator=estimator, rivals=rivals)
+        alternatives = [[ahead]] if best.name == "ad" else []
+        return SimpleNamespace(best=best, estimator=estimator, alternatives=alternatives)
 
     monkeypatch.setattr(module, "with_alternatives", with_alternatives)
     choice = module.swap(search[0], made("ad"), about)
@@ -216,7 +216,7 @@ def test_of_two_that_are_ahead_of_each_other_none_takes_the_place_twice(search, 
     def with_alternatives(state, best, estimator):
         weighed.append(best.name)
         other = SimpleNamespace(behind=-0.1, predicts=True, fit=made("b" if best.name == "a" else "a"))
-        return SimpleNamespace(best=best, estimator=estimator, rivals=[[other]])
+        return SimpleNamespace(best=best, estimator=estimator, alternatives=[[other]])
 
     monkeypatch.setattr(module, "with_alternatives", with_alternatives)
     assert module.swap(search[0], made("a"), about).best.name == "b"
@@ -418,7 +418,7 @@ def test_an_effect_is_held_against_the_model_without_it(search, monkeypatch):
     monkeypatch.setattr(
         module, "log_bayes_factor", lambda best, fewer, *_: "null" if fewer is found.null else fewer.gain
     )
-    monkeypatch.setattr(module, "rivals_of", lambda *_: {})
+    monkeypatch.setattr(module, "alternatives_of", lambda *_: {})
     monkeypatch.setattr(module, "explained_share", lambda *_: 1.0)
     monkeypatch.setattr(SearchState, "candidates", lambda *_: [])
     best = SimpleNamespace(members=("spring", "law", "tilt"), projected=None)

@@ -5,7 +5,7 @@ from functools import cache
 import pytest
 from arms import crane, there_and_back, tracker
 
-from flexarm.diagnosis.alternatives import Rival
+from flexarm.diagnosis.alternatives import AlternativeModel
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.design.experiment import from_drive
 from flexarm.diagnosis.design.next_experiment import next_experiment
@@ -28,7 +28,7 @@ def model():
 
 
 @cache
-def choice(*rivals):
+def choice(*alternatives):
     """A slow record of an arm with a spring, the spring named, some rivals fitted in its place."""
     clocks = {"controller": Clock(), "tracker": Clock(sigma=2e-3)}
     run = from_drive("slow", there_and_back(40.0), model(), clocks, {"tracker": Frame(translation=1e-3)})
@@ -37,9 +37,9 @@ def choice(*rivals):
     estimator = Estimator.nominal(problem, nuisance_model(problem))
     known = {c.place: c for c in candidates(problem, estimator.nuisance.arm)}
     best = estimator.fit([known["joint_compliance", "hinge"]])
-    fits = [estimator.fit([known[place]]) for place in rivals]
+    fits = [estimator.fit([known[place]]) for place in alternatives]
     others = [
-        Rival(
+        AlternativeModel(
             f.members[0],
             f,
             log_bayes_factor(best, f, problem),
@@ -53,7 +53,7 @@ def choice(*rivals):
 def test_a_spring_is_parted_from_a_soft_link_by_the_shape_of_the_link():
     """Both are fitted and within reach; torque cannot part them, as it is the same whatever bends."""
     made = choice(("link_stiffness", "rod"))
-    assert made.rivals[0][0].behind < SelectionPolicy.reach
+    assert made.alternatives[0][0].behind < SelectionPolicy.reach
     found = next_experiment(made, made.estimator.problem)
     assert found.gain >= DESIGN.enough
     assert "torque" not in found.sentence

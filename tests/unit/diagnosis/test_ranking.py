@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from flexarm.budget import limited
-from flexarm.diagnosis import alternatives as rivals
+from flexarm.diagnosis import alternatives, selection
 from flexarm.diagnosis import evidence as left_out
-from flexarm.diagnosis import selection
 from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.policy import SelectionPolicy
 
@@ -37,7 +36,7 @@ class Made:
 
 @pytest.fixture(autouse=True)
 def made_up(monkeypatch):
-    for module in (selection, rivals):
+    for module in (selection, alternatives):
         monkeypatch.setattr(
             module, "log_bayes_factor", lambda one, other, problem: one.evidence - other.evidence
         )
@@ -155,49 +154,51 @@ def test_what_came_close_on_the_way_is_a_rival():
     best = Made("joint_compliance", cost=1.0, press_rms=1.0, evidence=100.0)
     close, far = Made("joint_stiffening", 1.0, 1.0, 85.0), Made("cable_torque", 1.0, 1.0, 60.0)
     known = {fit.places[0]: fit for fit in (best, close, far)}
-    assert [c.place for c in rivals._near(known, [], best, OBSERVED)] == [("joint_stiffening", "hinge")]
-    assert rivals._near(known, list(close.members), best, OBSERVED) == []
+    assert [c.place for c in alternatives._near(known, [], best, OBSERVED)] == [("joint_stiffening", "hinge")]
+    assert alternatives._near(known, list(close.members), best, OBSERVED) == []
 
 
 def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatch):
     """Beside derivatives of the nominal model both are poor; the chosen one has come to rest since."""
-    monkeypatch.setattr(rivals, "predicted_decrease", lambda fit: 8.0)
+    monkeypatch.setattr(alternatives, "predicted_decrease", lambda fit: 8.0)
     monkeypatch.setattr(
-        rivals, "refinement_step", lambda fit, about, anew: (Made("settled", 1.0, 1.0, 99.0), about)
+        alternatives,
+        "refinement_step",
+        lambda fit, about, anew: (Made("settled", 1.0, 1.0, 99.0), about),
     )
     about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, first = (Made("gear_ratio", 1.0, 1.0, evidence) for evidence in (100.0, 41.0))
-    rival = Made("encoder_scale", 1.0, 1.0, 40.0)
-    assert rivals._caught_up(rival, best, first, estimator, False)[0].name == "settled"
-    assert rivals._caught_up(rival, best, best, estimator, False) == (rival, 60.0)
+    alternative = Made("encoder_scale", 1.0, 1.0, 40.0)
+    assert alternatives._caught_up(alternative, best, first, estimator, False)[0].name == "settled"
+    assert alternatives._caught_up(alternative, best, best, estimator, False) == (alternative, 60.0)
 
 
 @pytest.mark.parametrize("falls, steps", [(0.4, 0), (4.0, 1), (12.0, 1)])
 def test_a_rival_takes_steps_that_could_bring_it_near(monkeypatch, falls, steps):
     """A fall of C by 4 is 2 of ln Z at most: from five behind that is worth a step, a fall by 0.4 is not."""
     taken = []
-    monkeypatch.setattr(rivals, "predicted_decrease", lambda fit: falls)
+    monkeypatch.setattr(alternatives, "predicted_decrease", lambda fit: falls)
     monkeypatch.setattr(
-        rivals,
+        alternatives,
         "refinement_step",
         lambda fit, about, anew: (taken.append(fit) or Made("there", 1.0, 1.0, 95.0), about),
     )
     about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
-    best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 95.0)
-    rivals._caught_up(rival, best, best, estimator, False)
+    best, alternative = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 95.0)
+    alternatives._caught_up(alternative, best, best, estimator, False)
     assert len(taken) == steps
 
 
 def test_a_rival_that_no_step_could_bring_near_takes_none(monkeypatch):
     """Twenty behind, with a fall of C by 20 ahead: it would still be ten behind, out of sight."""
-    monkeypatch.setattr(rivals, "predicted_decrease", lambda fit: 20.0)
-    monkeypatch.setattr(rivals, "refinement_step", lambda *_, **__: pytest.fail("took a step"))
+    monkeypatch.setattr(alternatives, "predicted_decrease", lambda fit: 20.0)
+    monkeypatch.setattr(alternatives, "refinement_step", lambda *_, **__: pytest.fail("took a step"))
     about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 80.0))
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
-    best, rival = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 80.0)
-    assert rivals._caught_up(rival, best, best, estimator, False)[1] == 20.0
+    best, alternative = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 80.0)
+    assert alternatives._caught_up(alternative, best, best, estimator, False)[1] == 20.0
 
 
 @pytest.mark.parametrize("gap, fitted", [(False, ["near"]), (True, ["near", "far"])], ids=["none", "a gap"])
@@ -208,25 +209,25 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
         SimpleNamespace(members=made[name].members, share=s) for name, s in (("near", 0.9), ("far", 0.09))
     ]
     for name in ("_near", "_sticking", "_soft_elsewhere"):
-        monkeypatch.setattr(rivals, name, lambda *_: [])
-    monkeypatch.setattr(rivals, "screen", lambda *_: shares)
-    monkeypatch.setattr(rivals, "out_of_step", lambda *_: False)
-    monkeypatch.setattr(rivals, "rescreened_at_size", lambda estimator, shares, fit: shares)
-    monkeypatch.setattr(rivals, "one_variant", lambda shares, most: shares)
+        monkeypatch.setattr(alternatives, name, lambda *_: [])
+    monkeypatch.setattr(alternatives, "screen", lambda *_: shares)
+    monkeypatch.setattr(alternatives, "out_of_step", lambda *_: False)
+    monkeypatch.setattr(alternatives, "rescreened_at_size", lambda estimator, shares, fit: shares)
+    monkeypatch.setattr(alternatives, "one_variant", lambda shares, most: shares)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
-    monkeypatch.setattr(rivals, "predicts_better", lambda *_: False)
-    monkeypatch.setattr(rivals, "log_likelihood_ratio", lambda *_: 0.0)
-    monkeypatch.setattr(rivals, "_caught_up", lambda fit, *_: (fit, 9.0))
+    monkeypatch.setattr(alternatives, "predicts_better", lambda *_: False)
+    monkeypatch.setattr(alternatives, "log_likelihood_ratio", lambda *_: 0.0)
+    monkeypatch.setattr(alternatives, "_caught_up", lambda fit, *_: (fit, 9.0))
     nothing = SimpleNamespace(members=(), places=(), cost=9.0)
     estimator = SimpleNamespace(
         problem=OBSERVED, fit=lambda _: nothing, trial=lambda m, *_: made[m[0].place[0]]
     )
-    found = rivals.rivals_of(0, made["chosen"], Criteria(OBSERVED, nothing), estimator, [], [])
-    assert [rival.candidate.place[0] for rival in found] == fitted
+    found = alternatives.alternatives_of(0, made["chosen"], Criteria(OBSERVED, nothing), estimator, [], [])
+    assert [alternative.candidate.place[0] for alternative in found] == fitted
 
 
 def test_the_chosen_one_is_compared_as_it_was_tried():
     first, other = Made("gear_ratio", 7.5, 1.0), Made("encoder_scale", 7.5, 1.0)
     best = Made("gear_ratio", 6.8, 1.0)
-    assert rivals._peer(best, [first, other]) is first
-    assert rivals._peer(best, [other]) is best
+    assert alternatives._peer(best, [first, other]) is first
+    assert alternatives._peer(best, [other]) is best

@@ -6,7 +6,7 @@ from diagnoses import nominal, record, with_spring
 
 from flexarm.diagnosis import selection as choose
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.alternatives import rivals_of
+from flexarm.diagnosis.alternatives import alternatives_of
 from flexarm.diagnosis.candidate import is_required
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
@@ -62,7 +62,9 @@ def test_a_spring_that_a_law_stands_on_is_not_dropped_and_has_no_rivals(rigid, m
     law = next(p.candidate for p in probed if p.candidate.name == "backlash")
     assert is_required((law,), spring) and not is_required((spring,), law)
     best = estimator.linearised((spring, law))
-    assert rivals_of(0, best, Criteria(estimator.problem, estimator.fit(())), estimator, probed, ()) == []
+    assert (
+        alternatives_of(0, best, Criteria(estimator.problem, estimator.fit(())), estimator, probed, ()) == []
+    )
     asked = []
     monkeypatch.setattr(Criteria, "accepts", lambda self, new, old: asked.append(old.places) or True)
     choose.backward(Criteria(estimator.problem, None), best, estimator)

@@ -20,7 +20,7 @@ def plain(text: str) -> str:
     return " ".join(text.split())
 
 
-def rival(name: str, within_reach: bool, behind: float = 1.0) -> SimpleNamespace:
+def alternative(name: str, within_reach: bool, behind: float = 1.0) -> SimpleNamespace:
     place = (name, "hinge")
     candidate = SimpleNamespace(place=place, name=name, at="hinge")
     return SimpleNamespace(candidate=candidate, within_reach=within_reach, behind=behind)
@@ -32,7 +32,7 @@ def test_what_the_data_cannot_tell_from_a_named_effect_is_not_listed_as_rejected
     tried = SimpleNamespace(places=[("backlash", "hinge"), ("payload_mass", "hinge")])
     choice = SimpleNamespace(
         best=SimpleNamespace(places=[("joint_compliance", "hinge")]),
-        rivals=[[rival("payload_mass", True), rival("link_mass", False, 9.0)]],
+        alternatives=[[alternative("payload_mass", True), alternative("link_mass", False, 9.0)]],
         tried=[(tried, 0)],
         value={},
     )
@@ -112,7 +112,7 @@ def choice_of(names: list[str], before: float, after: float, monkeypatch) -> Sim
         )
         for which in ("null", "best")
     }
-    return SimpleNamespace(**fits, rivals=[[] for _ in names], needed=[39.4, 10865.2][: len(names)])
+    return SimpleNamespace(**fits, alternatives=[[] for _ in names], needed=[39.4, 10865.2][: len(names)])
 
 
 def test_of_several_effects_the_gap_is_told_once_and_the_evidence_of_each(monkeypatch):

@@ -21,7 +21,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.alternatives import Rival
+from flexarm.diagnosis.alternatives import AlternativeModel
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.design.candidate_measurements import Addition, menu, with_points
 from flexarm.diagnosis.design.experiment import Experiment, from_record
@@ -38,7 +38,7 @@ from flexarm.wording import listed, number, place_words
 
 
 def gains(
-    choice: Choice, problem: Problem, name: str, record: Record, pairs: Sequence[tuple[int, Rival]]
+    choice: Choice, problem: Problem, name: str, record: Record, pairs: Sequence[tuple[int, AlternativeModel]]
 ) -> Iterator[tuple[Addition, list[float]]]:
     """E ln B of every pair with every addition."""
     arm = choice.estimator.with_effects(choice.best.members)
@@ -73,13 +73,16 @@ class _Rows:
     moves: list[Floats]
 
 
-def _present(choice: Choice, pairs: Sequence[tuple[int, Rival]]) -> _Rows:
+def _present(choice: Choice, pairs: Sequence[tuple[int, AlternativeModel]]) -> _Rows:
     """Rows 0 of (1)."""
     estimator = choice.estimator
     best = estimator.problem.residual(estimator.with_effects(choice.best.members))
     apart = [estimator.problem.residual(estimator.with_effects(r.fit.members)) - best for _, r in pairs]
     return _Rows(
-        estimator.nuisance.parameters, estimator.jacobian, apart, [rival.fit.jacobian for _, rival in pairs]
+        estimator.nuisance.parameters,
+        estimator.jacobian,
+        apart,
+        [alternative.fit.jacobian for _, alternative in pairs],
     )
 
 
@@ -97,7 +100,7 @@ class _Next:
         arm: Arm,
         choice: Choice,
         problem: Problem,
-        pairs: Sequence[tuple[int, Rival]],
+        pairs: Sequence[tuple[int, AlternativeModel]],
     ) -> _Next | None:
         """Of a run; None if it cannot be simulated."""
         step = problem.step
@@ -107,11 +110,11 @@ class _Next:
             best = there.residual(arm)
             each = _unknowns(choice, arm, there)
             jacobian = there.jacobian(arm, [u.key for u in each])
-            models = [_put(arm, choice, rival.fit) for _, rival in pairs]
+            models = [_put(arm, choice, alternative.fit) for _, alternative in pairs]
             apart = [there.residual(model) - best for model in models]
             moves = [
-                _derivatives(there, arm, choice, rival.fit, best + d)
-                for (_, rival), d in zip(pairs, apart, strict=True)
+                _derivatives(there, arm, choice, alternative.fit, best + d)
+                for (_, alternative), d in zip(pairs, apart, strict=True)
             ]
         except (InvalidParameter, NotConverged):
             return None
@@ -187,7 +190,12 @@ def next_experiment(choice: Choice, problem: Problem, unexplained: bool = False)
     motions = {name: record for name, record in problem.records.items() if record.kind == "motion"}
     if unexplained:
         return NextExperiment(_to_describe(problem, motions))
-    pairs = [(k, rival) for k, rivals in enumerate(choice.rivals) for rival in rivals if rival.within_reach]
+    pairs = [
+        (k, alternative)
+        for k, alternatives in enumerate(choice.alternatives)
+        for alternative in alternatives
+        if alternative.within_reach
+    ]
     pairs = sorted(pairs, key=lambda pair: pair[1].behind)[: DESIGN.alternatives]
     if not pairs:
         return NextExperiment()
@@ -216,7 +224,7 @@ def _promising(gains: Iterator[tuple[Addition, list[float]]]) -> list[tuple[Addi
 
 
 def _sentence(
-    choice: Choice, name: str, addition: Addition, gain: float, pairs: Sequence[tuple[int, Rival]]
+    choice: Choice, name: str, addition: Addition, gain: float, pairs: Sequence[tuple[int, AlternativeModel]]
 ) -> str:
     """Return what to do and what it would bring."""
     parted = _words(choice, pairs)
@@ -232,12 +240,14 @@ def _sentence(
     )
 
 
-def _words(choice: Choice, pairs: Sequence[tuple[int, Rival]]) -> str:
+def _words(choice: Choice, pairs: Sequence[tuple[int, AlternativeModel]]) -> str:
     """Such as "a from b and c"."""
     each = []
     for k in dict.fromkeys(k for k, _ in pairs):
-        rivals = listed([place_words(*rival.candidate.place) for i, rival in pairs if i == k])
-        each.append(f"{place_words(*choice.best.members[k].place)} from {rivals}")
+        alternatives = listed(
+            [place_words(*alternative.candidate.place) for i, alternative in pairs if i == k]
+        )
+        each.append(f"{place_words(*choice.best.members[k].place)} from {alternatives}")
     return listed(each)
 
 

@@ -89,16 +89,16 @@ def _key(candidate: Candidate) -> str:
     return repr(candidate.effect) + repr(candidate.probes)
 
 
-def unexplained_gap(responses: Responses, gaps: Floats, rival: Probed | None) -> Floats:
+def unexplained_gap(responses: Responses, gaps: Floats, alternative: Probed | None) -> Floats:
     """v of (1) for gaps (n, k): rows, then what is asked of nuisance parameters and of the alternative, in
     sigmas.
     """
-    taken = set() if rival is None else taken_by(rival.candidate, responses.nuisance)
+    taken = set() if alternative is None else taken_by(alternative.candidate, responses.nuisance)
     keep = [k for k, u in enumerate(responses.nuisance.parameters) if u.key not in taken]
     jacobian, sigma = responses.jacobian[:, keep], responses.nuisance.sigma[keep]
-    if rival is not None:
-        jacobian = np.column_stack([jacobian, rival.moves])
-        sigma = np.concatenate([sigma, np.full(rival.moves.shape[1], 1.0 / RIDGE)])
+    if alternative is not None:
+        jacobian = np.column_stack([jacobian, alternative.moves])
+        sigma = np.concatenate([sigma, np.full(alternative.moves.shape[1], 1.0 / RIDGE)])
     if not len(sigma):
         return gaps
     return Projection(jacobian, sigma).project(gaps)  # eq. (1)
@@ -161,8 +161,8 @@ def matrix(responses: Responses, shown: Sequence[Shown]) -> Floats:
     columns = []
     for variants in responses.effects:
         each = [
-            expected_log_bayes_factor(unexplained_gap(responses, gaps, rival), len(gaps))
-            for rival in variants
+            expected_log_bayes_factor(unexplained_gap(responses, gaps, alternative), len(gaps))
+            for alternative in variants
         ]
         columns.append(np.min(each, axis=0))
     found = np.stack(columns, axis=1) if columns else np.empty((0, 0))
