@@ -29,6 +29,7 @@ from flexarm.simulation import Progress
 from flexarm.validation.channel import Channel, channels
 from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
 from flexarm.validation.drive_hypotheses import implausible_drives
+from flexarm.validation.exchanged_axes import exchanged_axes, mirrored_places
 from flexarm.validation.finding import RecordFindings, RemovedOutliers, ValidationResult, merge_findings
 from flexarm.validation.frames_and_clocks import (
     remarks_on_frames,
@@ -132,7 +133,7 @@ def check(
         remarks += notes
         if name in failed and findings.drive is None:
             doubts.append(f"{name}: the model cannot be simulated: {failed[name]}")
-    remarks += remarks_on_poses(named)
+    remarks += [*remarks_on_poses(named), *mirrored_places(seen)]
     faults = merge_findings(
         [_reconsider(arm, findings, all_findings, named, step, alpha) for findings in all_findings]
     )
@@ -150,7 +151,7 @@ def check(
         tuple(outliers),
         (*remarks, *current().remarks),
         {**compared, **dict.fromkeys(empty, ())},
-        (*plausibility_doubts(arm, named, sure), *doubts),
+        (*plausibility_doubts(arm, named, sure), *exchanged_axes(seen), *doubts),
     )
 
 

@@ -1,0 +1,101 @@
+"""Exchanged axes of sensors of three axes: readings that the model gives about other axes.
+
+    y_k = s_k p_j(k),    s_k = 1 or -1,    j a permutation of x, y, z other than x, y, z itself         (1)
+
+A gain shows one turned sign (`validation.gain_faults`). Axes of an inertial sensor that are exchanged leave a
+reading that no gain explains, and offsets of an accelerometer hide it, since gravity is one. So (1) is tried
+as it stands. Places may stand in any frame, but in none that is mirrored: with S_1 >= S_2 >= S_3 the singular
+values of sum y p^T, both from their means, the best turn and the best mirror leave [Umeyama1991]
+
+    sum |y|^2 + |p|^2 - 2 (S_1 + S_2 -+ S_3)    where the determinant is negative.                      (2)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import reduce
+from itertools import permutations, product
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.validation.channel import Channel
+from flexarm.validation.policy import POLICY
+from flexarm.wording import listed, with_unit
+
+INERTIAL = ("acceleration", "angular_rate")
+"""Quantities along the body axes of a point."""
+
+
+def exchanged_axes(seen: Mapping[str, Sequence[Channel]]) -> Iterator[str]:
+    """Report inertial sensors that (1) explains, and their own axes do not."""
+    for where, axes in _of_three_axes(seen, INERTIAL):
+        yield from _exchanged(where, axes)
+
+
+def mirrored_places(seen: Mapping[str, Sequence[Channel]]) -> Iterator[str]:
+    """Report places that a mirror explains, and no turn of their frame."""
+    for where, axes in _of_three_axes(seen, ("position",)):
+        y, p = _rows(axes)
+        if not y.size:
+            continue
+        y, p = (values - values.mean(axis=1, keepdims=True) for values in (y, p))
+        product_of = y @ p.T
+        sizes, moved = np.linalg.svd(product_of, compute_uv=False), float(np.sum(y**2) + np.sum(p**2))
+        turned, mirrored = (
+            np.sqrt(max(moved - 2 * (sizes[0] + sizes[1] + sign * sizes[2]), 0.0) / y.shape[1])
+            for sign in (-1, 1)
+        )
+        if np.linalg.det(product_of) < 0 and mirrored <= POLICY.max_unexplained * turned:
+            left = f"{with_unit(mirrored, 'm', 2)} rms are left, {with_unit(turned, 'm', 2)} in no mirror"
+            why = "two columns are exchanged, a sign is turned, or a joint counts the other way"
+            yield f"{where} shows the model in a mirror ({left}): {why}"
+
+
+def _of_three_axes(
+    seen: Mapping[str, Sequence[Channel]], quantities: Sequence[str]
+) -> Iterator[tuple[str, list[Channel]]]:
+    for name, channels in seen.items():
+        for signal in dict.fromkeys(channel.signal.name for channel in channels):
+            axes = [channel for channel in channels if channel.signal.name == signal]
+            if axes[0].signal.quantity in quantities and len(axes) == 3:
+                yield f"{name}: signals.{signal}", axes
+
+
+def _rows(axes: Sequence[Channel]) -> tuple[Floats, Floats]:
+    """Return readings and predictions, (3, n), of rows that hold all three."""
+    rows = reduce(np.intersect1d, [channel.rows for channel in axes])
+    both = ([each.measured for each in axes], [each.predicted for each in axes])
+    y, p = (
+        np.stack([values[np.isin(channel.rows, rows)] for channel, values in zip(axes, of, strict=True)])
+        for of in both
+    )
+    return y, p
+
+
+def _exchanged(where: str, axes: Sequence[Channel]) -> Iterator[str]:
+    y, p = _rows(axes)
+    if not y.size:
+        return
+    own, names = _rms(y - p), [channel.name for channel in axes]
+    tried = [
+        (_rms(y - np.array(signs)[:, None] * p[list(order)]), order, signs)
+        for order in permutations(range(3))
+        if order != (0, 1, 2)
+        for signs in product((1, -1), repeat=3)
+    ]
+    least, order, signs = min(tried)
+    if least > POLICY.max_unexplained * min(own, _rms(y)):
+        return
+    told = [
+        f"{names[k]} reads {'-' * (signs[k] < 0)}{names[j]}"
+        for k, j in enumerate(order)
+        if _rms(y[k] - signs[k] * p[j]) <= POLICY.max_unexplained * _rms(y[k] - p[k])
+    ]
+    unit = axes[0].signal.unit
+    left = f"that leaves {with_unit(least, unit, 2)} rms of {with_unit(own, unit, 2)}"
+    yield f"{where}: {listed(told)} of the model's point; {left}: is it mounted so, or are columns exchanged?"
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(np.sum(np.atleast_2d(values) ** 2, axis=0))))

@@ -1,0 +1,84 @@
+"""An inertial sensor whose axes are not those of its point is seen, and one in order is not doubted."""
+
+import numpy as np
+import pytest
+from arms import arm as arm_of
+from arms import crane, hinge, point, rigid, smooth_step
+
+import flexarm
+from flexarm.arm.sensor import Sensor
+from flexarm.effects import JointCompliance
+from flexarm.record import Frame
+from flexarm.validation.sensor_check import check
+
+
+@pytest.fixture(scope="module")
+def bench():
+    """A crane without its spring, and what an encoder and an accelerometer show of one that has it."""
+    arm = crane(effects=[])
+    soft = arm.with_effect(JointCompliance(at="hinge", stiffness=1.4e5, damping=180.0))
+    t = np.arange(0, 8, 0.01)
+    angle = 0.4 * np.sin(2 * np.pi * 0.3 * t) * smooth_step(t / 3)
+    run = flexarm.simulate(soft, flexarm.Drive.from_samples(t, {"hinge": angle}), step=4e-3, rotations=True)
+    imu = {"quantity": "acceleration", "point": "tip", "rate_hz": 50, "noise_std": 0.02}
+    sensors = [
+        Sensor(name="hinge", quantity="joint_angle", joint="hinge", rate_hz=100, noise_std=1e-5),
+        Sensor(name="imu", **imu),
+    ]
+    return arm, flexarm.measure(run, sensors, np.random.default_rng(3), drive=["hinge"])
+
+
+def doubts(bench, turn):
+    arm, record = bench
+    imu = record.signals["imu"]
+    mounted = imu.replace(values=imu.values @ np.array(turn).T)
+    return check(arm, {"run": record.replace(signals={**record.signals, "imu": mounted})}, step=4e-3).doubts
+
+
+def test_a_sensor_along_the_axes_of_its_point_is_not_doubted(bench):
+    assert doubts(bench, np.eye(3)) == ()
+
+
+@pytest.mark.parametrize(
+    ("turn", "told"),
+    [
+        ([[0, 0, 1], [0, 1, 0], [1, 0, 0]], "x reads z and z reads x of the model's point"),
+        ([[0, 0, -1], [0, 1, 0], [1, 0, 0]], "x reads -z and z reads x of the model's point"),
+    ],
+)
+def test_axes_that_are_exchanged_are_named(bench, turn, told):
+    [said] = doubts(bench, turn)
+    assert said.startswith(f"run: signals.imu: {told}; that leaves ")
+
+
+def test_places_in_a_mirror_are_seen_in_a_frame_that_is_not_known():
+    """Two columns of a tracker that are exchanged look like a turned sign or another unit of one."""
+    base = {"type": "revolute", "parent": "base", "child": "mast", "axis": [0, 0, 1]}
+    arm = arm_of(
+        joints=[{"name": "turn", **base}, hinge("lift", "boom", "mast")],
+        links=[rigid("mast", 5.0), rigid("boom", 5.0)],
+        points=[point("tip", "boom", [2, 0, 1])],
+    )
+    t = np.arange(0, 8, 0.01)
+    moves = {
+        "turn": 0.6 * np.sin(0.9 * t) * smooth_step(t / 3),
+        "lift": 0.5 * np.sin(1.7 * t) * smooth_step(t / 3),
+    }
+    run = flexarm.simulate(arm, flexarm.Drive.from_samples(t, moves), step=4e-3, rotations=True)
+    encoders = [
+        Sensor(name=joint, quantity="joint_angle", joint=joint, rate_hz=100, noise_std=1e-5)
+        for joint in moves
+    ]
+    seen = Sensor(name="tip", quantity="position", point="tip", rate_hz=20, noise_std=5e-5, frame="tracker")
+    gyro = Sensor(name="gyro", quantity="angular_rate", point="tip", rate_hz=50, noise_std=1e-3)
+    frames = {"tracker": Frame(unknown=True)}
+    record = flexarm.measure(
+        run, [*encoders, gyro, seen], np.random.default_rng(1), drive=list(moves), frames=frames
+    )
+    tip = record.signals["tip"]
+    exchanged = {**record.signals, "tip": tip.replace(values=tip.values[:, [1, 0, 2]])}
+    found = check(arm, {"run": record.replace(signals=exchanged)}, step=4e-3).remarks
+    [said] = [each for each in found if "mirror" in each]
+    assert said.startswith("run: signals.tip shows the model in a mirror (")
+    assert said.endswith("two columns are exchanged, a sign is turned, or a joint counts the other way")
+    assert not any("mirror" in each for each in check(arm, {"run": record}, step=4e-3).remarks)
