@@ -107,14 +107,18 @@ class _Feature:
     """On which side of known values it extrapolates: below, either, above. A smaller range is no
     extrapolation.
     """
+    span: float = 0.0
+    """Of a range's end the range, beside which a difference counts [unit]."""
 
     def same(self, other: _Feature) -> bool:
         """Return True if it is as in another record."""
-        return abs(self.value - other.value) <= SAME * max(abs(self.value), abs(other.value), 1e-12)
+        return abs(self.value - other.value) <= SAME * max(
+            abs(self.value), abs(other.value), self.span, 1e-12
+        )
 
     def beyond(self, known: Sequence[float]) -> str:
         """Return a clause that it lies beyond known values; empty if it does not."""
-        size = SAME * max(abs(self.value), *map(abs, known), 1e-12)
+        size = SAME * max(abs(self.value), *map(abs, known), self.span, 1e-12)
         low, high = min(known), max(known)
         if self.side <= 0 and self.value < low - size:
             return self._told(low, "at least")
@@ -161,8 +165,8 @@ def _features(arm: Arm, record: Record) -> Features:
         least, most = _range(signal)
         joint = signal.joint or name
         found |= {
-            f"least of {joint}": _Feature(f"{joint} goes down to", signal.unit, least, -1),
-            f"most of {joint}": _Feature(f"{joint} goes up to", signal.unit, most, 1),
+            f"least of {joint}": _Feature(f"{joint} goes down to", signal.unit, least, -1, most - least),
+            f"most of {joint}": _Feature(f"{joint} goes up to", signal.unit, most, 1, most - least),
             f"rate of {joint}": _Feature(f"the rms rate of {joint} is", f"{signal.unit}/s", rms_rate(signal)),
         }
     return found | _masses(arm, record)

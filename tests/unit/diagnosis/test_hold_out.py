@@ -268,3 +268,17 @@ def test_a_record_that_is_fitted_is_not_held_out_under_another_name():
         InvalidParameter, match=r"hold_out: holds the same values as 'swing', which is fitted"
     ):
         flexarm.diagnose(diagnoses.nominal(), {"swing": training}, hold_out=copy)
+
+
+def test_ends_of_a_range_count_beside_the_range():
+    """A spline's overshoot of a nanometre below zero is nothing new beside a swing."""
+
+    def lifted(least):
+        swing = record()
+        hinge = swing.signals["hinge"]
+        values = np.maximum(np.abs(hinge.values), 0.0) + least
+        return swing.replace(signals={**swing.signals, "hinge": hinge.replace(values=values)})
+
+    training, held_out = {"one": lifted(-7e-11)}, lifted(-8e-10)
+    assert hold_out_kind(ARM, training, held_out) == "repetition"
+    assert hold_out_why(ARM, training, held_out) == ""
