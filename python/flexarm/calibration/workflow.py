@@ -29,7 +29,13 @@ from flexarm.calibration.result import Calibration
 from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES
 from flexarm.configuration import version
 from flexarm.diagnosis.hold_out import Split, named_hold_out, split
-from flexarm.diagnosis.noise_model import allow_for_input_noise, impute_noise, weighted_by_input_noise
+from flexarm.diagnosis.noise_model import (
+    allow_for_input_noise,
+    impute_noise,
+    input_noise_by_signal,
+    input_noise_remarks,
+    weighted_by_input_noise,
+)
 from flexarm.diagnosis.nuisance import first_guess, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
@@ -135,6 +141,7 @@ def _calibration(
     uncertain = with_zeros(arm, parted.training, SelectionPolicy())
     problem = Problem(uncertain, parted.training, step=step, alpha=alpha, jobs=workers)
     allow_for_input_noise(problem, uncertain)
+    moved = input_noise_by_signal(problem)
     problem = weighted_by_input_noise(problem)
     estimation = _estimation(problem, families, rules)
     steps = count(1)
@@ -167,6 +174,7 @@ def _calibration(
             *clean.remarks,
             *borrowed,
             *_remarks(posterior, parted),
+            *input_noise_remarks(moved, problem),
             *current().remarks,
         ),
         {"version": version(), "step": step, "seconds": time.monotonic() - begun},
