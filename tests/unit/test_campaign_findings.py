@@ -15,7 +15,7 @@ from flexarm.campaigns.indices import SeriesIndices, from_saltelli, from_samples
 from flexarm.campaigns.sampling import Distribution, samples
 from flexarm.campaigns.study import Sampling
 from flexarm.campaigns.trends import times_of, trend
-from flexarm.report.campaign import page
+from flexarm.report.campaign import _index_bars, page
 
 CUBE = [Distribution("uniform", (-np.pi, np.pi))] * 3
 A, B = 7.0, 0.1
@@ -144,6 +144,18 @@ def test_a_weight_explains_all_of_a_sag(tmp_path):
     sag = next(each for each in found.targets if each.name == "tip_displacement z")
     assert sag.indices.first[0] == pytest.approx(1.0, abs=1e-6)
     assert sag.nominal == pytest.approx(sag.quantiles[2], rel=0.2)
+
+
+@pytest.mark.parametrize("saltelli", [False, True])
+def test_bars_of_indices_sit_at_their_names(tmp_path, saltelli):
+    _, found, _ = findings(
+        tmp_path, STATIC.replace("n = 50", "n = 64\nsaltelli = true") if saltelli else STATIC
+    )
+    targets = [each for each in found.targets if each.indices is not None][:1]
+    [axes] = _index_bars(found, targets).axes
+    middles = [bar.get_y() + bar.get_height() / 2 for bar in axes.patches]
+    assert np.mean(middles) == pytest.approx(np.mean(axes.get_yticks()))
+    assert len(axes.patches) == (2 if saltelli else 1) * len(axes.get_yticks())
 
 
 def test_the_page_is_whole_and_fetches_nothing(tmp_path):

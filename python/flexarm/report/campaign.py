@@ -143,7 +143,10 @@ def _trend_row(each: Trend, time: str) -> tuple[str, str, str, str, int]:
 
 def _figures(f: Findings) -> Iterator[tuple[str, str, str, Figure | None]]:
     if f.targets:
-        caption = "Distribution over the runs; lines: 5, 50 and 95 %; dashed: nominal run."
+        nominal = any(each.nominal is not None for each in f.targets[:9])
+        caption = (
+            f"Distribution over the runs; lines: 5, 50 and 95 %{'; dashed: nominal run' if nominal else ''}."
+        )
         yield "distributions", "distributions", caption, _histograms(f.targets[:9])
     with_indices = [each for each in f.targets if each.indices is not None]
     if with_indices:
@@ -206,10 +209,11 @@ def _index_bars(f: Findings, targets: Sequence[Target]) -> Figure:
         found = each.indices
         assert found is not None
         half = (found.first90[:, 1] - found.first90[:, 0]) / 2
-        ax.barh(y + 0.2, found.first, 0.38, xerr=half, color=BLUE, ecolor=GREY, label="first order")
-        if np.isfinite(found.total).any():
+        beside = 0.2 if np.isfinite(found.total).any() else 0.0  # a bar alone sits at its name
+        ax.barh(y + beside, found.first, 0.38, xerr=half, color=BLUE, ecolor=GREY, label="first order")
+        if beside:
             half = (found.total90[:, 1] - found.total90[:, 0]) / 2
-            ax.barh(y - 0.2, found.total, 0.38, xerr=half, color=ORANGE, ecolor=GREY, label="total")
+            ax.barh(y - beside, found.total, 0.38, xerr=half, color=ORANGE, ecolor=GREY, label="total")
         ax.set_yticks(y, keys, fontsize=8)
         ax.set_title(each.name)
         ax.invert_yaxis()

@@ -95,7 +95,7 @@ def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
     records = [*d.training[:2], *d.held_out[:1]]
     yield ("states", "where", _of_states(d), against_states(d))
     what = (
-        "The gap of all positions as small rotations of the joints, of the nominal model, each against its "
+        "The gap of all positions as small motions of the joints, of the nominal model, each against its "
         "own states: the joint where the cause sits, if it sits in one."
     )
     yield "rotations", "where", what, rotations(d)
