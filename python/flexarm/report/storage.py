@@ -115,14 +115,14 @@ def stored(path: str | Path) -> dict[str, Any]:
     """
     directory, told = stored_object(path, KIND, REPORT, ReportFile)
     arm, comparisons = stored_gaps(directory / GAPS, KIND)
-    details = told["details"]
+    details, updated = told["details"], Arm.from_toml(directory / MODEL)
     return {
         "verdict": told["verdict"],
         "arm": arm,
-        "updated": Arm.from_toml(directory / MODEL),
+        "updated": updated,
         "effects": tuple_of(NamedEffect, told["effects"]),
         "nuisances": tuple_of(Nuisance, told["nuisances"]),
-        "refined": tuple(_refined(arm, entry) for entry in told["refined"]),
+        "refined": tuple(_refined(updated, comparisons["before"], entry) for entry in told["refined"]),
         "rejected": tuple_of(Rejected, told["provenance"]["rejected"], -math.inf),
         "where": tuple(told["where"]),
         **comparisons,
@@ -179,10 +179,14 @@ def _filled(value: Any, unknown: float | None) -> Any:
     return unknown if value is None else value
 
 
-def _refined(arm: Arm, entry: Entry) -> Refined:
-    [parameter] = parameters(arm, [entry["parameter"]])
+def _refined(updated: Arm, before: Mapping[str, Comparison], entry: Entry) -> Refined:
+    """Return a refined value; the zero of a sensor is in the unit of its signal."""
+    [parameter] = parameters(updated, [entry["parameter"]])
     std = math.nan if entry["std"] is None else entry["std"]
-    return Refined(parameter.key, entry["value"], std, entry["nominal"], parameter.unit)
+    unit, signal = parameter.unit, parameter.key.split(".")[2]
+    if unit == "SI":
+        unit = next((each.signals[signal].unit for each in before.values() if signal in each.signals), unit)
+    return Refined(parameter.key, entry["value"], std, entry["nominal"], unit)
 
 
 def _law(entry: Entry) -> LawCurve:

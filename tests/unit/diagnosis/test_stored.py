@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import flexarm
+from flexarm.effects import SensorOffset
 from flexarm.errors import InvalidFile
+from flexarm.named_effects import Refined
 from flexarm.report.diagnosis import drawings
 
 mpl.use("Agg")
@@ -49,6 +51,14 @@ def test_it_holds_the_same_models_values_and_gaps(pair):
                 assert again.signals[name].to_json_dict() == gap.to_json_dict()
                 for direction, part in gap.parts.items():
                     np.testing.assert_array_equal(again.signals[name].parts[direction], part)
+
+
+def test_a_zero_that_only_the_updated_model_has_is_read_again(tmp_path):
+    """A diagnosis fits zeros of sensors; the nominal model has no effect for them."""
+    updated = diagnoses.with_spring().with_effect(SensorOffset(at="tip", offset=(1e-4, 0.0, 0.0)))
+    zero = Refined("effects.sensor_offset.tip.offset.x", 1e-4, 2e-7, 0.0, "m")
+    diagnoses.of_effects(updated=updated, refined=(zero,)).save(tmp_path / "out")
+    assert flexarm.Diagnosis.load(tmp_path / "out").refined == (zero,)
 
 
 def test_its_pictures_are_the_same_but_those_against_states(pair):
