@@ -11,7 +11,7 @@ def recursive_filter(values: Floats, poles: Floats) -> Floats:
     """Return y with poles[0] y_n + poles[1] y_(n-1) + ... = x_n, from rest, for x of shape (n, ...)."""
     from scipy.linalg.lapack import dtbtrs
 
-    if not len(values):
+    if not values.size:  # LAPACK writes beyond an array without columns
         return values.copy()
     band = np.repeat(np.asarray(poles, dtype=float)[:, None], len(values), axis=1)
     found, _ = dtbtrs(band[: len(values)], values.reshape(len(values), -1), uplo="L")

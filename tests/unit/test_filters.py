@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -19,6 +20,18 @@ def test_a_recursive_filter_is_that_of_scipy(poles):
     assert recursive_filter(values[:0, 0], np.array(poles)).shape == (0,)
 
 
+def test_a_recursive_filter_of_no_columns_writes_nothing():
+    """LAPACK wrote one number beyond them, and a process ended soon afterwards."""
+    code = """
+        import numpy
+        from flexarm.filters import recursive_filter
+        kept = [recursive_filter(numpy.zeros((38, 0)), numpy.array([1.0, -0.9])) for _ in range(2000)]
+        print({each.shape for each in kept}, [numpy.ones(2).sum() for _ in range(100)].count(2.0))
+    """
+    told = subprocess.run([sys.executable, "-c", dedent(code)], capture_output=True, text=True, check=True)
+    assert told.stdout.split() == ["{(38,", "0)}", "100"]
+
+
 @pytest.mark.parametrize("count", [21, 200])
 def test_an_average_of_cubics_is_that_of_savitzky_and_golay(count):
     from scipy.signal import savgol_filter
@@ -34,7 +47,5 @@ def test_evidence_of_a_fit_imports_no_statistics():
         TimeDiscrepancy([slice(0, 500)], 1.0, 2.0, 5.0).whitened(numpy.ones((500, 2)))
         print("scipy.signal" in sys.modules or "scipy.stats" in sys.modules)
     """
-    from textwrap import dedent
-
     told = subprocess.run([sys.executable, "-c", dedent(code)], capture_output=True, text=True, check=True)
     assert told.stdout.split() == ["False"]
