@@ -107,7 +107,7 @@ def _of_gap(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
 
 
 def _of_states(d: Diagnosis) -> str:
-    """Return what stands below the gap against the states of the joints."""
+    """Return the caption of the gap against the states of the joints."""
     shown = shown_joints(d)
     joints, states = [each.joint for each in shown], listed(states_drawn(shown))
     if not joints:

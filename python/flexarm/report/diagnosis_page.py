@@ -211,7 +211,7 @@ def _diff(d: Diagnosis) -> Iterator[Row]:
 
 
 def channel_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
-    """Return a row for each channel; one of several in a signal is told by its axis."""
+    """Return a row for each channel; one of several in a signal is named by its axis."""
     several = {(c.record, c.signal) for c in statistics.channels if c.channel > 0}
     for each in statistics.channels:
         axis = "xyz"[each.channel] if each.channel < 3 else str(each.channel)

@@ -67,7 +67,7 @@ def _candidate_rows(d: Diagnosis) -> list[tuple[str, float, str]]:
 
 
 def constancy(d: Diagnosis, entries: Sequence[Any]) -> Figure | None:
-    """Parameters fitted on each record alone, beside the value of all together; None if there are none."""
+    """Return parameters fitted to each record alone, and to all together; None if there are none."""
     if not entries:
         return None
     heights = [0.2 * (1 + len(entry["values"])) for entry in entries]

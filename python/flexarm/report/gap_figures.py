@@ -129,8 +129,8 @@ def draw(
 
 
 def _line(ax: Axes, where: Floats, values: Floats, dotted: bool, name: str) -> None:
-    """Dots where order means nothing; a line else, with markers while they can be told apart."""
-    many = 400  # samples beyond which lines stand without markers
+    """Draw dots where order means nothing, else a line, with markers if they are few."""
+    many = 400  # samples beyond which lines have no markers
     look: dict[str, Any] = {"label": name, **LOOKS[name]}
     if dotted:
         ax.plot(where, values, ls="none", ms=2.2, mew=0, rasterized=len(where) > many, **look)
@@ -184,7 +184,7 @@ def _first(gaps: Mapping[str, SignalGap]) -> SignalGap:
 
 
 def by_band(d: BeforeAfter, records: Sequence[str]) -> Figure | None:
-    """Return the gap in each band of frequencies before and after, beside the noise; None without bands."""
+    """Return the gap in each band of frequencies before and after, and the noise; None without bands."""
     shown = {name: gaps for name in records if (gaps := sides(d, name)) and _first(gaps).bands}
     if not shown:
         return None

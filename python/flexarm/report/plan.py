@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 FILE, PAGE = "plan.json", "plan.html"
-"""Names of the files beside the figures."""
+"""Names of the files."""
 
 
 def write(plan: Plan, directory: Path) -> None:
@@ -126,14 +126,15 @@ def _tie_rows(plan: Plan) -> Iterator[dict[str, Any]]:
 
 
 TIED, PARTED, CLEAR, UNSEEN = "#d55e00", "#f0c08a", "#0072b2", "#dddddd"
-"""Colours of a pair: not told apart, hardly (up to ten times ln 20), well; of an effect that is not seen."""
+"""Colours of a pair: indistinguishable, hardly separated (up to ten times ln 20), well; of an unseen effect.
+"""
 
 
 def near_effects(plan: Plan) -> list[int]:
-    """Effects, by number, that are not told well from some other one; all if there is none such.
+    """Return numbers of effects that are not well separated from some other one; all if there are none.
 
-    Of an effect that is hardly seen every wrong name is hardly told: it is near those only that explain more
-    than half of the evidence for it, or that are tied with it.
+    An effect that is hardly seen is hardly separated from any: it is near those only that explain more than
+    half of the evidence for it, or that are indistinguishable from it.
     """
     reach = plan.thresholds["parted"]
     own = np.array([each.log_bayes_factor for each in plan.effects])

@@ -1,7 +1,7 @@
 """`report.json`, format `flexarm-diagnosis/1`: what programs read of a diagnosis.
 
-Numbers that nobody knows, such as the deviation of what the data do not determine, are null. Beside the keys
-that are agreed on, `details` holds what the page tells in sentences and curves.
+Unknown numbers, such as the deviation of what the data do not determine, are null. Besides the agreed keys,
+`details` holds the sentences and curves of the page.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ class CorrelationEntry(Entry):
 
 
 class MotionEntry(Entry):
-    """What a record covers of a joint."""
+    """Range and rate of a joint in a record."""
 
     record: str
     joint: str
@@ -180,7 +180,7 @@ class MotionEntry(Entry):
 
 
 class PriorEntry(Entry):
-    """What was held plausible of a fitted parameter beforehand."""
+    """Prior range of a fitted parameter."""
 
     effect: str
     at: str | list[str]
@@ -194,7 +194,7 @@ class PriorEntry(Entry):
 
 
 class StatisticsEntry(Entry):
-    """What a reader checks the fit by."""
+    """Statistics of the fit."""
 
     channels: list[ChannelEntry] = Field(default_factory=list)
     correlations: list[CorrelationEntry] = Field(default_factory=list)
@@ -204,7 +204,7 @@ class StatisticsEntry(Entry):
 
 
 class DetailsEntry(Entry):
-    """Details of the page beside the agreed keys."""
+    """Details of the page besides the agreed keys."""
 
     training: list[str]
     held_out: list[str]

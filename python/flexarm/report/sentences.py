@@ -39,7 +39,7 @@ def gap_tables(diagnosis: BeforeAfter) -> list[GapTable]:
 
 
 def changed_signals(diagnosis: BeforeAfter) -> list[str]:
-    """Signals beside the main one whose gap changes noticeably, in the order of the records."""
+    """Return signals other than the main one whose gap changes noticeably, in the order of the records."""
     d = diagnosis
     names = dict.fromkeys(name for comparison in d.before.values() for name in comparison.evidence)
     return [
@@ -132,14 +132,14 @@ def moved_sentence(diagnosis: Diagnosis) -> str:
 
 
 def named(effect: NamedEffect) -> str:
-    """Return an effect with place, probability, and what the data cannot tell it from."""
+    """Return an effect with place, probability and alternatives."""
     text = f"{place_words(effect.name, effect.at)} (probability {probability(effect.probability)})"
     rivals = rivals_sentence(effect)
     return f"{text}, {rivals}" if rivals else text
 
 
 def rivals_sentence(effect: NamedEffect) -> str:
-    """Return what could stand in the place of an effect; empty if nothing could."""
+    """Return the alternatives of an effect in a clause; empty without any."""
     near, far = ([place_words(other.name, other.at) for other in each] for each in rivals(effect))
     found = [f"which the data cannot tell from {listed(near, 'or')}"] if near else []
     found += [f"where {listed(far, 'or')} {FITS_TOO}"] if far else []
@@ -161,7 +161,7 @@ def in_model(diagnosis: Diagnosis, effect: NamedEffect) -> bool:
 
 
 def stated_sentence(diagnosis: Diagnosis, effect: NamedEffect) -> str:
-    """Return what the nominal model says of a named effect; empty if it has none."""
+    """Return the parameters of a named effect in the nominal model; empty if it has none."""
     old = diagnosis.arm.effect(effect.name, effect.places[0])
     if old is None or len(effect.places) > 1:
         return ""
@@ -246,7 +246,7 @@ def _times_noise(gap: HeldOutGap) -> str:
 
 
 def remarks_beside(diagnosis: Diagnosis) -> tuple[str, ...]:
-    """Remarks but for the one that stands beside the verdict."""
+    """Return remarks except the one that is part of the verdict."""
     said = unpredicted_sentence(diagnosis)
     return tuple(remark for remark in diagnosis.remarks if remark != said)
 

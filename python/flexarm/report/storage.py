@@ -2,8 +2,8 @@
 
 `gaps.nc` holds the nominal model and, by number k, the gap of each signal that is evidence in each record, of
 the nominal and of the updated model: `gap_k` (rows, directions) in the signal's unit at `time_k` [s], or at
-numbers of poses; attributes say whose they are. What is not kept is where the gap lies sample by sample
-beside the states of the joints (`Diagnosis.located`): pictures against states are those that were drawn.
+numbers of poses; attributes say whose they are. The gap sample by sample against the states of the joints
+(`Diagnosis.located`) is not kept: pictures against states are those that were drawn.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def gap_contents(diagnosis: BeforeAfter, kind: str = KIND) -> Contents:
 
 
 def _comparison_facts(comparison: Comparison) -> dict[str, Any]:
-    """Return what a comparison knows beside its gaps; clocks and frames as they were aligned."""
+    """Return the contents of a comparison besides its gaps; clocks and frames as they were aligned."""
     aligned = comparison.aligned
     return {
         "arm": comparison.arm,

@@ -79,7 +79,7 @@ class JointRotation:
 
     @property
     def relevant(self) -> bool:
-        """Return True if the joint holds a share of the gap that is worth a word."""
+        """Return True if the joint holds a listed share of the gap."""
         return self.share >= POLICY.listed_share
 
     @property

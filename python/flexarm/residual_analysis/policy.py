@@ -16,7 +16,7 @@ class ResidualPolicy:
     order_contrast: float = 3.0
     """Squares of a motor order over those of a wave of nearly the same order [-]: any wave explains some."""
     order_share: float = 0.01
-    """Share of the squared gap below which a motor order is not told [-]."""
+    """Share of the squared gap below which a motor order is not reported [-]."""
     order_spacing: float = 0.1
     """Relative distance of the orders compared with a motor order [-]; 1/0.1 periods tell them apart."""
     peak_over_median: float = 15.0
@@ -32,7 +32,8 @@ class ResidualPolicy:
     dominant_share: float = 0.25
     """Share of the squares that a band or covariate must hold to be named in a sentence [-]."""
     concentration: float = 0.15
-    """Relative entropy of the squares given a condition that is told [nat]: 77 % in half of the samples."""
+    """Relative entropy of the squares given a condition that is reported [nat]: 77 % in half of the samples.
+    """
     listed_share: float = 0.02
     """Share of the squared gap below which a band or joint is not listed [-]."""
     minor_share: float = 0.1
@@ -48,9 +49,9 @@ class ResidualPolicy:
     decay_sigmas: float = 3.0
     """Standard deviations by which frequency or damping must change with the amplitude [-]."""
     frequency_change: float = 0.02
-    """Relative change of a frequency with the amplitude that is told [-]."""
+    """Relative change of a frequency with the amplitude that is reported [-]."""
     damping_change: float = 0.2
-    """Relative change of a damping ratio with the amplitude that is told [-]."""
+    """Relative change of a damping ratio with the amplitude that is reported [-]."""
 
 
 POLICY = ResidualPolicy()

@@ -195,7 +195,7 @@ def _burst(time: Floats, record: NDArray[np.intp], squares: Floats, k: int) -> t
 PERIODS = 3.0
 """Periods of a segment that (2) is fitted to."""
 SEGMENTS = 3
-"""Segments that tell how frequency and damping change."""
+"""Least segments for a change of frequency and damping."""
 SAMPLES = 8
 """Least number of samples in a period."""
 

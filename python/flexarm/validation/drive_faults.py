@@ -1,11 +1,11 @@
 """Faulty drives: encoders that count the other way or in another unit.
 
-A wrong drive moves the model wrongly everywhere. Each hypothesis of `validation.drive_hypotheses` is put on
-the drive's signal as an effect, which takes the fault back, and is simulated. It wins if all channels
-together, each under its best hypothesis, then cost less (`validation.finding`, eq. (2)). Only those are
-simulated with which the rigid arm alone explains more (`validation.drive_hypotheses`). Similar factors all
-leave the channels in order. The first one that does is compared with the others, and its factor f is
-corrected by the gains s of the channels that the drive moves,
+A wrong drive moves the model wrongly everywhere. Each hypothesis of `validation.drive_hypotheses` is an
+effect on the drive's signal that takes the fault back, and is simulated. It wins if all channels together,
+each under its best hypothesis, then cost less (`validation.finding`, eq. (2)). Only those are simulated with
+which the rigid arm alone explains more (`validation.drive_hypotheses`). Similar factors all leave the
+channels in order. The first one that does is compared with the others, and its factor f is corrected by the
+gains s of the channels that the drive moves,
 
     f / s,   ln s = sum w ln s_i / sum w,   w = (s_i/std_i)^2,                                         (1)
 
@@ -88,7 +88,7 @@ class _DriveTest:
         return _TestedHypothesis(hypothesis, rest, price, bool(repairs))
 
     def screened(self, hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
-        """Return the hypotheses that are worth a simulation, the likely ones first.
+        """Return the hypotheses to be simulated, the likely ones first.
 
         Kinematic signals that a drive moves must cost the rigid arm less. A drive that moves none of them,
         while others are moved, is at fault only if it goes beyond the usual range of joints. Factors near the

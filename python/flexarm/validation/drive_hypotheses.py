@@ -75,7 +75,7 @@ def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding
 def implausible_drives(arm: Arm, record: Record) -> set[str]:
     """Return the drives that turn their joint beyond `implausible_angle`, and faster than joints do.
 
-    Drives with an effect of the model are left out: it says what their values are.
+    Drives with an effect of the model are left out: it states their values.
     """
     known = {effect.at for effect in arm.effects if effect.place.startswith("signal")}
     drives = [record.signals[name] for name in record.drive if name not in known]
@@ -200,7 +200,7 @@ ROWS = 400
 
 
 def rigid_record(arm: Arm, record: Record) -> SimulatedRecord | None:
-    """Return a record of motion beside the rigid arm; None if no signal but the drives is kinematic.
+    """Return a record of motion paired with the rigid arm; None if no signal but the drives is kinematic.
 
     Raise InvalidParameter if the record does not say how it drives the arm.
     """

@@ -38,7 +38,7 @@ from flexarm.validation.policy import POLICY
 from flexarm.wording import listed, with_unit
 
 NOTHING = 1e-12
-"""Least scatter: readings and prediction may both stand at 0 [SI]."""
+"""Least scatter: readings and prediction may both be 0 [SI]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,7 +250,7 @@ class _FaultEvidence:
     log_odds: float
     values: dict[str, tuple[float, float, str]]
     sentence: str
-    rival: DriveFault | None = None
+    alternative: DriveFault | None = None
 
 
 def merge_findings(all_findings: Sequence[RecordFindings]) -> tuple[Fault, ...]:
@@ -290,7 +290,7 @@ def _items(findings: RecordFindings) -> list[_FaultEvidence]:
     for each in findings.channels:
         if each.name:
             signal = each.channel.signal
-            rival = drive if findings.ambiguous else None
+            alternative = drive if findings.ambiguous else None
             known = channel_names(signal.quantity, signal.axes)
             found.append(
                 _FaultEvidence(
@@ -302,7 +302,7 @@ def _items(findings: RecordFindings) -> list[_FaultEvidence]:
                     each.log_bayes,
                     dict(each.values),
                     each.sentence,
-                    rival,
+                    alternative,
                 )
             )
     if drive is not None and (not findings.ambiguous or not found):
@@ -320,10 +320,12 @@ def _fault(items: list[_FaultEvidence]) -> Fault:
     channels = () if whole else tuple(name for name in first.known if name in seen)
     probability = float(1 / (1 + exp(-min(first.log_odds, 50.0))))
     alternatives: tuple[Alternative, ...] = ()
-    rival = next((item.rival for item in items if item.rival is not None), None)
-    if rival is not None:
-        share = 1 / (1 + exp(-rival.log_bayes))
-        alternatives = tuple(Alternative(rival.name, at, probability * share) for at in rival.values)
+    alternative = next((item.alternative for item in items if item.alternative is not None), None)
+    if alternative is not None:
+        share = 1 / (1 + exp(-alternative.log_bayes))
+        alternatives = tuple(
+            Alternative(alternative.name, at, probability * share) for at in alternative.values
+        )
         probability *= 1 - share
     return Fault(
         first.name,

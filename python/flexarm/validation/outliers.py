@@ -13,7 +13,7 @@ where a drive stops within a sample. The outer two miss a smooth motion by its t
 
     |y_{k+3} - 3 y_{k+2} + 3 y_{k+1} - y_k|,                                                           (1)
 
-and a row must be off by more than `edge_ratio` times the median of those beside it. Poses have no neighbours;
+and a row must be off by more than `edge_ratio` times the median of its neighbours. Poses have no neighbours;
 see `flexarm.comparison.pose_outliers`.
 """
 

@@ -35,7 +35,7 @@ Run = tuple[int, int]  # first row, last row (exclusive)
 
 
 def plateaus(y: Floats, p: Floats, driven: Rows, noise: float, least: float) -> list[Run]:
-    """Return all runs (1), exact and noisy; a prediction that moves by less than `least` stands."""
+    """Return all runs (1), exact and noisy; a prediction that moves by less than `least` is at rest."""
     moves = max(10 * noise, POLICY.plateau_motion * float(np.std(p)), least)
     fewest = rows_to_move(p, moves)
     found = exact = repeats(y)
@@ -202,9 +202,9 @@ def _rms_of(rest: Channel) -> float:
 
 
 def _steps(channel: Channel) -> float:
-    """Return the least motion of a prediction beside counts that stand still; 0 for readings on no grid.
+    """Return the least motion of a prediction within repeated counts; 0 for readings on no grid.
 
-    Channels of one sensor have one grid: one that shows a single count does not tell it.
+    Channels of one sensor have one grid, as one that shows a single count does not reveal it.
     """
     return POLICY.plateau_steps * channel.signal.grid_step
 

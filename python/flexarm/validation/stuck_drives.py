@@ -1,6 +1,6 @@
 """Stuck inputs, and the cross-check of drives by places.
 
-A motor slows down before it stands, and the arm with it. A drive that stops from one reading to the next is
+A motor slows down before it stops, and the arm with it. A drive that stops from one reading to the next is
 stuck if the gap of a place or angle
 
     e = measured - predicted                                                                           (1)
@@ -30,7 +30,7 @@ from flexarm.validation.saturation import Run, constant_runs
 
 
 def stuck_drive(arm: Arm, record: Record, found: Sequence[ChannelFinding]) -> DriveFault | None:
-    """Return a drive that stands although the arm moves, for a while or as the only drive, or None."""
+    """Return a drive at rest although the arm moves, for a while or as the only drive, or None."""
     for signal, time, angle in _drives(record):
         noise = signal.noise_std or 0.0
         channels = [
@@ -92,7 +92,7 @@ def _is_abrupt(angle: Floats, first: int, last: int, noise: float) -> bool:
 
 
 def _goes_further(channel: Channel, times: Sequence[tuple[float, float]]) -> bool:
-    """Return True if the gap (1) goes far while the drive stands, and seldom as far elsewhere."""
+    """Return True if the gap (1) goes far while the drive is at rest, and seldom as far elsewhere."""
     gap = channel.measured - channel.predicted
     lengths = [end - begin for begin, end in times]
     far = max((_smoothed_range(channel, gap, begin, end) for begin, end in times), default=0.0)
@@ -140,7 +140,7 @@ def _dead_drive(signal: Signal, angle: Floats, who: str) -> DriveFault:
 def _stopped_drive(
     signal: Signal, time: Floats, angle: Floats, stands: Sequence[Run], who: str
 ) -> DriveFault:
-    """Return a saturated drive if it stands at the ends of its range only, else a frozen one."""
+    """Return a saturated drive if it rests at the ends of its range only, else a frozen one."""
     noise = signal.noise_std or 0.0
     rows = sum(last - first for first, last in stands)
     levels = np.array([float(np.median(angle[first:last])) for first, last in stands])
