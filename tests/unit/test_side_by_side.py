@@ -1,5 +1,6 @@
 """Arms side by side in vector registers move as each does alone, but for rounding."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -62,14 +63,58 @@ def test_a_run_in_company_is_the_run_alone(consistent: bool) -> None:
         assert_same(run, flexarm.simulate(arm, DRIVE, consistent_forces=consistent))
 
 
+def leaning(rng: np.random.Generator, *effects: dict[str, Any]) -> flexarm.Arm:
+    """Return an arm that leaves its plane: a leaning beam on a turning base, and a beam across it."""
+    end = [rng.uniform(0.8, 1.2), 0, 0.7]
+    links = [beam("rod", end, TUBE, elements=3, damping_ratio=0.01), beam("tail", [0, 0.9, 0.1], TUBE)]
+    return flexarm.Arm.from_dict(
+        {
+            "joints": [hinge("hinge", "rod", axis=[0, 0, 1]), fixed("knee", "tail", "rod", at="end")],
+            "links": links,
+            "payloads": [
+                {"name": "load", "link": "tail", "position": [0, 0.9, 0.1], "mass": rng.uniform(2, 9)}
+            ],
+            "points": [point("tip", "tail", [0, 0.9, 0.1])],
+            "effects": [compliance("hinge", rng.uniform(2e4, 9e4), rng.uniform(50, 300)), *effects],
+        }
+    )
+
+
+@pytest.mark.parametrize("consistent", [True, False])
+def test_arms_in_space_move_as_each_does_alone(consistent: bool) -> None:
+    rng = np.random.default_rng(13)
+    arms = [leaning(rng) for _ in range(11)]
+    runs = side_by_side([(arm, DRIVE) for arm in arms], consistent_forces=consistent)
+    for arm, run in zip(arms, runs, strict=True):
+        assert run is not None
+        assert run.solver["dimension"] == 3
+        assert_same(run, flexarm.simulate(arm, DRIVE, consistent_forces=consistent))
+    [single] = side_by_side([(arms[0], DRIVE)], consistent_forces=consistent)
+    assert single is not None
+    assert runs[0] is not None
+    assert np.array_equal(runs[0].joint_torque, single.joint_torque)
+
+
+def test_a_planar_arm_is_computed_in_space_where_that_is_asked_for() -> None:
+    arms = [mast(np.random.default_rng(seed)) for seed in (14, 15)]
+    for arm, run in zip(arms, side_by_side([(arm, DRIVE) for arm in arms], dimension="space"), strict=True):
+        assert run is not None
+        assert_same(run, flexarm.simulate(arm, DRIVE, dimension="space"))
+
+
 BACKLASH = {"name": "backlash", "at": "hinge", "gap": 1e-3}
 FRICTION = {"name": "coulomb_friction", "at": "hinge", "torque": 60.0}
 
 
-@pytest.mark.parametrize("effects", [[BACKLASH], [FRICTION], [BACKLASH, FRICTION]])
-def test_laws_that_are_not_linear_are_followed_in_each_lane(effects: list[dict[str, Any]]) -> None:
+@pytest.mark.parametrize(
+    ("make", "effects"),
+    [(mast, [BACKLASH]), (mast, [FRICTION]), (mast, [BACKLASH, FRICTION]), (leaning, [FRICTION])],
+)
+def test_laws_that_are_not_linear_are_followed_in_each_lane(
+    make: Callable[..., flexarm.Arm], effects: list[dict[str, Any]]
+) -> None:
     rng = np.random.default_rng(12)
-    arms = [mast(rng, *effects) for _ in range(5)]
+    arms = [make(rng, *effects) for _ in range(5)]
     for arm, run in zip(arms, side_by_side([(arm, DRIVE) for arm in arms]), strict=True):
         assert run is not None
         assert_same(run, flexarm.simulate(arm, DRIVE), 1e3)
@@ -133,10 +178,15 @@ def test_energies_and_states_are_those_of_the_run_alone() -> None:
     assert run.work == pytest.approx(alone.work, rel=1e-12)
 
 
+def seen_within(arm: flexarm.Arm) -> flexarm.Arm:
+    """Return the arm with a point that lies inside an element."""
+    return arm.replace(points=(arm.points[0].replace(link="rod", position=(0, 0, 0.3)),))
+
+
 def test_what_does_not_fit_is_left_to_run_alone() -> None:
     rng = np.random.default_rng(9)
-    assert side_by_side([(mast(rng, axis=[0.3, 1, 0]), DRIVE)]) == [None]
     arm = mast(rng)
+    assert side_by_side([(seen_within(arm), DRIVE)]) == [None]
     assert side_by_side([(arm, DRIVE)], forces=True) == [None]
     assert side_by_side([(arm, DRIVE)], sensitivities=["payloads.load.mass"]) == [None]
     assert side_by_side([(arm, DRIVE)], step=-1.0) == [None]
@@ -144,7 +194,7 @@ def test_what_does_not_fit_is_left_to_run_alone() -> None:
 
 def test_simulate_all_takes_what_fits_and_what_does_not() -> None:
     rng = np.random.default_rng(10)
-    arms = [mast(rng), mast(rng, BACKLASH), mast(rng), mast(rng, axis=[0.3, 1, 0])]
+    arms = [mast(rng), mast(rng, BACKLASH), mast(rng), seen_within(mast(rng)), leaning(rng)]
     slower = flexarm.Drive.from_samples(2 * TIME, {"hinge": 0.9 * np.sin(2.5 * TIME) ** 2})
     pairs = [(arm, drive) for arm in arms for drive in (DRIVE, slower)]
     for (arm, drive), run in zip(pairs, flexarm.simulate_all(pairs, jobs=1), strict=True):

@@ -36,4 +36,9 @@ Vector3d log3_beyond(const Matrix3d& R) {
   return q.vec() * (2 * std::atan2(n, q.w()) / n);
 }
 
+void log3_beyond(const double* R, double* omega) {
+  Eigen::Map<Vector3d> found(omega);
+  found = log3_beyond(Matrix3d(Eigen::Map<const Matrix3d>(R)));
+}
+
 }  // namespace flexarm::geometry

@@ -10,7 +10,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-int put_frame(Rows& rows, int row, int lane, const geometry::FrameIn<2>& H) {
+template <int D>
+int put_frame(Rows& rows, int row, int lane, const geometry::FrameIn<D>& H) {
   return rows.put(rows.put(row, lane, H.R), lane, H.x);
 }
 
@@ -31,20 +32,22 @@ int count(const auto& things) { return static_cast<int>(things.size()); }
 
 bool has_three_numbers(const assembly::PlacedLaw& law) { return law.of < 0 && joints::is_linear(law.law); }
 
-bool suits(const PlanarArm& arm, const Loads& loads, bool consistent) {
+template <int D>
+bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent) {
   const bool others = !arm.gears().empty() || !arm.closures().empty() || !arm.superelements().empty() ||
                       !loads.points.empty() || arm.pedestal().node >= 0;
   if (others) return false;
   for (const auto& beam : arm.beams()) {
     if (beam.grows()) return false;
   }
-  const solvers::WeldsIn<2> welds(arm, true);
-  const solvers::TangentChangesIn<2> turns(arm, welds, false);
+  const solvers::WeldsIn<D> welds(arm, true);
+  const solvers::TangentChangesIn<D> turns(arm, welds, false);
   return turns.follows_constraints() && !(consistent && turns.any()) &&
          welds.n_unknowns() <= solvers::KeptFactor::largest_inverse;
 }
 
-bool same_structure(const PlanarArm& one, const PlanarArm& other) {
+template <int D>
+bool same_structure(const SystemIn<D>& one, const SystemIn<D>& other) {
   const auto alike = [](const auto& a, const auto& b, auto same) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
   };
@@ -71,9 +74,11 @@ bool same_structure(const PlanarArm& one, const PlanarArm& other) {
                [](const auto& a, const auto& b) { return a.node == b.node && a.element == b.element; });
 }
 
-ArmNumbers::ArmNumbers(const std::vector<const PlanarArm*>& arms, const std::vector<Loads>& loads, int lanes)
+template <int D>
+ArmNumbersIn<D>::ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms,
+                              const std::vector<LoadsIn<D>>& loads, int lanes)
     : lanes_(lanes) {
-  for (const PlanarArm* arm : arms) welds_.push_back(std::make_unique<solvers::WeldsIn<2>>(*arm, true));
+  for (const SystemIn<D>* arm : arms) welds_.push_back(std::make_unique<solvers::WeldsIn<D>>(*arm, true));
   lay_out(*arms.front());
   for (int lane = 0; lane < lanes; ++lane) {
     const std::size_t which = lane < count(arms) ? static_cast<std::size_t>(lane) : 0;
@@ -82,14 +87,15 @@ ArmNumbers::ArmNumbers(const std::vector<const PlanarArm*>& arms, const std::vec
 }
 
 /// Places, and room for numbers.
-void ArmNumbers::lay_out(const PlanarArm& arm) {
-  constexpr int n = freedoms;
+template <int D>
+void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
+  constexpr int n = geometry::freedoms<D>;
   for (const auto& beam : arm.beams()) {
     beam_nodes_.insert(beam_nodes_.end(), {beam.node1(), beam.node2()});
     arms_.damped = arms_.damped || beam.damping_time() > 0;
   }
   for (const auto& body : arm.bodies()) body_nodes_.push_back(body.node());
-  const solvers::WeldsIn<2>& welds = *welds_.front();
+  const solvers::WeldsIn<D>& welds = *welds_.front();
   int row = 0;
   for (std::size_t k = 0; k < arm.constraints().size(); ++k) {
     const auto& joint = arm.constraints()[k];
@@ -128,12 +134,12 @@ void ArmNumbers::lay_out(const PlanarArm& arm) {
            .followers = followers_.data(),
            .beams = room(beams_, (2 * n + 1 + 4 * n * n) * count(arm.beams())),
            .bodies = room(bodies_, n * n * count(body_nodes_)),
-           .weights = room(weights_, n * arm.n_nodes()),
-           .gravity = room(gravity_, 2),
-           .joint_numbers = room(joint_numbers_, (3 * frame_rows + n + 2 * n * n) * count(joints_)),
+           .weights = room(weights_, (1 + D) * arm.n_nodes()),
+           .gravity = room(gravity_, D),
+           .joint_numbers = room(joint_numbers_, (3 * frame_rows<D> + n + 2 * n * n) * count(joints_)),
            .law_numbers = room(law_numbers_, 3 * count(laws_)),
            .scalar_inertia = room(scalar_inertia_, arm.n_scalars()),
-           .follower_frames = room(follower_frames_, 2 * frame_rows * count(followers_)),
+           .follower_frames = room(follower_frames_, 2 * frame_rows<D> * count(followers_)),
            .reach = room(reach_, 1),
            .mass_scale = room(mass_scale_, 1),
            .n_reduced = welds.n_unknowns(),
@@ -144,13 +150,14 @@ void ArmNumbers::lay_out(const PlanarArm& arm) {
            .separator = nullptr,
            .n_points = count(point_nodes_),
            .point_nodes = point_nodes_.data(),
-           .point_offsets = room(point_offsets_, 2 * count(point_nodes_)),
+           .point_offsets = room(point_offsets_, D * count(point_nodes_)),
            .n_outputs = count(outputs_),
            .outputs = outputs_.data(),
            .consistent = nullptr};
 }
 
-void ArmNumbers::fill(int lane, const PlanarArm& arm, const Loads& loads) {
+template <int D>
+void ArmNumbersIn<D>::fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& loads) {
   int row = 0;
   for (const auto& beam : arm.beams()) {
     row = beams_.put(row, lane, beam.stiffness());
@@ -197,11 +204,12 @@ void ArmNumbers::fill(int lane, const PlanarArm& arm, const Loads& loads) {
 }
 
 /// Room for inverses that are cut like this one.
-void ArmNumbers::cut(const solvers::DissectedInverse& inverse) {
+template <int D>
+void ArmNumbersIn<D>::cut(const solvers::DissectedInverse& inverse) {
   cut_order_ = inverse.order();
-  const solvers::WeldsIn<2>& welds = *welds_.front();
+  const solvers::WeldsIn<D>& welds = *welds_.front();
   std::vector<int> unknowns(static_cast<std::size_t>(arms_.n_reduced));
-  const int n_unknowns = freedoms * arms_.n_nodes + arms_.n_free_scalars + arms_.n_constraints;
+  const int n_unknowns = geometry::freedoms<D> * arms_.n_nodes + arms_.n_free_scalars + arms_.n_constraints;
   for (int k = 0; k < n_unknowns; ++k) {
     if (welds.row(k) >= 0) unknowns[static_cast<std::size_t>(welds.row(k))] = k;
   }
@@ -225,13 +233,15 @@ void ArmNumbers::cut(const solvers::DissectedInverse& inverse) {
   arms_.separator = separator_.data();
 }
 
-bool ArmNumbers::cut_as(const solvers::DissectedInverse& inverse) const {
+template <int D>
+bool ArmNumbersIn<D>::cut_as(const solvers::DissectedInverse& inverse) const {
   return inverse.order() == cut_order_ &&
          std::equal(boundaries_.begin(), boundaries_.end(), inverse.parts().begin(), inverse.parts().end(),
                     [](const auto& boundary, const auto& part) { return boundary == part.boundary; });
 }
 
-bool ArmNumbers::set_inverse(int lane, const solvers::DissectedInverse& inverse) {
+template <int D>
+bool ArmNumbersIn<D>::set_inverse(int lane, const solvers::DissectedInverse& inverse) {
   if (inverse.eliminates_first()) return false;
   if (cut_order_.empty()) cut(inverse);
   if (!cut_as(inverse)) return false;
@@ -246,12 +256,20 @@ bool ArmNumbers::set_inverse(int lane, const solvers::DissectedInverse& inverse)
   return true;
 }
 
-void ArmNumbers::set_consistent(int lane, const MatrixXd& change) {
+template <int D>
+void ArmNumbersIn<D>::set_consistent(int lane, const MatrixXd& change) {
   if (arms_.consistent == nullptr) {
     consistent_ = Rows(static_cast<int>(change.size()), lanes_);
     arms_.consistent = consistent_.data();
   }
   put_blocks(consistent_, 0, lane, solvers::PackedMatrix(change), 0, static_cast<int>(change.rows()));
 }
+
+template bool suits<2>(const SystemIn<2>&, const LoadsIn<2>&, bool);
+template bool suits<3>(const SystemIn<3>&, const LoadsIn<3>&, bool);
+template bool same_structure<2>(const SystemIn<2>&, const SystemIn<2>&);
+template bool same_structure<3>(const SystemIn<3>&, const SystemIn<3>&);
+template class ArmNumbersIn<2>;
+template class ArmNumbersIn<3>;
 
 }  // namespace flexarm::lanes

@@ -3,6 +3,6 @@
 namespace flexarm::lanes {
 
 struct Avx2;
-extern const Kernel kernel_avx2 = KernelCode<4, Avx2>::kernel;
+extern const Kernel kernels_avx2[] = {KernelCode<2, 4, Avx2>::kernel, KernelCode<3, 4, Avx2>::kernel};
 
 }  // namespace flexarm::lanes

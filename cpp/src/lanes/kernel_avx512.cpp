@@ -3,6 +3,6 @@
 namespace flexarm::lanes {
 
 struct Avx512;
-extern const Kernel kernel_avx512 = KernelCode<8, Avx512>::kernel;
+extern const Kernel kernels_avx512[] = {KernelCode<2, 8, Avx512>::kernel, KernelCode<3, 8, Avx512>::kernel};
 
 }  // namespace flexarm::lanes

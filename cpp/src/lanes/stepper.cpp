@@ -11,23 +11,25 @@ namespace flexarm::lanes {
 
 using solvers::StepIteration;
 
-Stepper::Stepper(const Kernel& kernel, const std::vector<const PlanarArm*>& arms,
-                 const std::vector<Loads>& loads, const std::vector<State>& states,
-                 const solvers::HhtCoefficients& coefficients, const solvers::HhtOptions& options)
+template <int D>
+StepperIn<D>::StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D>*>& arms,
+                        const std::vector<LoadsIn<D>>& loads, const std::vector<StateIn<D>>& states,
+                        const solvers::HhtCoefficients& coefficients, const solvers::HhtOptions& options)
     : kernel_(kernel),
       coefficients_(coefficients),
       options_(options),
       numbers_(arms, loads, kernel.lanes),
       t_(states.front().t) {
+  constexpr int n = geometry::freedoms<D>;
   const Arms& all = numbers_.arms();
-  const int n_velocities = freedoms * all.n_nodes + all.n_scalars, lanes = kernel.lanes;
-  const int n_unknowns = freedoms * all.n_nodes + all.n_free_scalars + all.n_constraints;
+  const int n_velocities = n * all.n_nodes + all.n_scalars, lanes = kernel.lanes;
+  const int n_unknowns = n * all.n_nodes + all.n_free_scalars + all.n_constraints;
   const auto room = [&](Rows& rows, int count) {
     rows = Rows(count, lanes);
     return rows.data();
   };
-  motion_ = {.frames = room(frames_, frame_rows * all.n_nodes),
-             .frames_before = room(frames_before_, frame_rows * all.n_nodes),
+  motion_ = {.frames = room(frames_, frame_rows<D> * all.n_nodes),
+             .frames_before = room(frames_before_, frame_rows<D> * all.n_nodes),
              .s = room(s_, all.n_scalars),
              .s_before = room(s_before_, all.n_scalars),
              .v = room(v_, n_velocities),
@@ -43,8 +45,8 @@ Stepper::Stepper(const Kernel& kernel, const std::vector<const PlanarArm*>& arms
   active_ = Rows(1, lanes);
   sizes_ = Rows(1, lanes);
   for (std::size_t k = 0; k < arms.size(); ++k) {
-    lane_.push_back({arms[k], loads[k], states[k], assembly::IterationMatrixIn<2>(*arms[k]),
-                     solvers::TangentChangesIn<2>(*arms[k], numbers_.welds(static_cast<int>(k)))});
+    lane_.push_back({arms[k], loads[k], states[k], assembly::IterationMatrixIn<D>(*arms[k]),
+                     solvers::TangentChangesIn<D>(*arms[k], numbers_.welds(static_cast<int>(k)))});
   }
   for (int lane = 0; lane < lanes; ++lane) {
     put(lane, states[lane < static_cast<int>(states.size()) ? static_cast<std::size_t>(lane) : 0]);
@@ -62,7 +64,8 @@ Stepper::Stepper(const Kernel& kernel, const std::vector<const PlanarArm*>& arms
   drive_ = {zero, zero, zero, zero};
 }
 
-void Stepper::put(int lane, const State& state) {
+template <int D>
+void StepperIn<D>::put(int lane, const StateIn<D>& state) {
   int row = 0;
   for (const auto& H : state.frames) row = frames_.put(frames_.put(row, lane, H.R), lane, H.x);
   s_.put(0, lane, state.s);
@@ -72,16 +75,17 @@ void Stepper::put(int lane, const State& state) {
   multipliers_.put(0, lane, state.multipliers);
 }
 
-State Stepper::state(int lane) const {
+template <int D>
+StateIn<D> StepperIn<D>::state(int lane) const {
   const Lane& own = lane_[static_cast<std::size_t>(lane)];
   const int lanes = kernel_.lanes;
-  State state = own.now;
+  StateIn<D> state = own.now;
   state.t = t_;
   const auto number = [&](const double* rows, int row) { return rows[lanes * row + lane]; };
   for (std::size_t k = 0; k < state.frames.size(); ++k) {
-    const int row = frame_rows * static_cast<int>(k);
-    for (int i = 0; i < 4; ++i) state.frames[k].R.data()[i] = number(motion_.frames, row + i);
-    for (int i = 0; i < 2; ++i) state.frames[k].x[i] = number(motion_.frames, row + 4 + i);
+    const int row = frame_rows<D> * static_cast<int>(k);
+    for (int i = 0; i < D * D; ++i) state.frames[k].R.data()[i] = number(motion_.frames, row + i);
+    for (int i = 0; i < D; ++i) state.frames[k].x[i] = number(motion_.frames, row + D * D + i);
   }
   for (int k = 0; k < state.s.size(); ++k) state.s[k] = number(motion_.s, k);
   v_.take(0, lane, state.v);
@@ -92,7 +96,8 @@ State Stepper::state(int lane) const {
 }
 
 /// What laws that are not linear put against the scalar coordinates of a lane.
-void Stepper::find_law_forces(int lane) {
+template <int D>
+void StepperIn<D>::find_law_forces(int lane) {
   Lane& own = lane_[static_cast<std::size_t>(lane)];
   const int lanes = kernel_.lanes, offset = own.arm->scalar_offset();
   own.now.t = t_;
@@ -106,7 +111,8 @@ void Stepper::find_law_forces(int lane) {
 }
 
 /// The increments of a lane with what has changed in its matrix since that was factored.
-void Stepper::follow_changes(int lane, bool again) {
+template <int D>
+void StepperIn<D>::follow_changes(int lane, bool again) {
   Lane& own = lane_[static_cast<std::size_t>(lane)];
   x_.resize(static_cast<Eigen::Index>(reduced_.size()));
   for (Eigen::Index k = 0; k < x_.size(); ++k) x_[k] = dx_(reduced_[static_cast<std::size_t>(k)], lane);
@@ -114,22 +120,25 @@ void Stepper::follow_changes(int lane, bool again) {
   for (Eigen::Index k = 0; k < x_.size(); ++k) dx_(reduced_[static_cast<std::size_t>(k)], lane) = x_[k];
 }
 
-State Stepper::final_state(int lane) const {
-  State found = state(lane);
+template <int D>
+StateIn<D> StepperIn<D>::final_state(int lane) const {
+  StateIn<D> found = state(lane);
   if (own_laws_.empty()) solvers::remember_laws(*lane_[static_cast<std::size_t>(lane)].arm, found);
-  Loads loads = lane_[static_cast<std::size_t>(lane)].loads;
+  LoadsIn<D> loads = lane_[static_cast<std::size_t>(lane)].loads;
   loads.torques = drive_.torques;
   numbers_.welds(lane).find_forces(found, loads);
   return found;
 }
 
-bool Stepper::any_runs() const {
+template <int D>
+bool StepperIn<D>::any_runs() const {
   return std::any_of(lane_.begin(), lane_.end(), [](const Lane& lane) { return lane.runs; });
 }
 
-bool Stepper::factor(int lane, double h) {
+template <int D>
+bool StepperIn<D>::factor(int lane, double h) {
   Lane& own = lane_[static_cast<std::size_t>(lane)];
-  const State here = state(lane);
+  const StateIn<D> here = state(lane);
   const auto c = solvers::step_factors(coefficients_, h, solvers::constraint_scale(*own.arm));
   const Eigen::VectorXd law_tangents = own.arm->law_tangents(here, c, true);
   ++own.statistics.factorisations;
@@ -142,7 +151,8 @@ bool Stepper::factor(int lane, double h) {
   return factor.inverse() != nullptr && numbers_.set_inverse(lane, *factor.inverse());
 }
 
-void Stepper::advance(double h, const solvers::Drives& drives) {
+template <int D>
+void StepperIn<D>::advance(double h, const solvers::Drives& drives) {
   const int n_lanes = static_cast<int>(lane_.size());
   if (factored_h_ != h) {
     for (int k = 0; k < n_lanes; ++k) {
@@ -168,7 +178,8 @@ void Stepper::advance(double h, const solvers::Drives& drives) {
   }
 }
 
-void Stepper::iterate(const Step& step, const Drive& drive) {
+template <int D>
+void StepperIn<D>::iterate(const Step& step, const Drive& drive) {
   std::vector<StepIteration> iterations;
   iterations.reserve(lane_.size());
   const int n_lanes = static_cast<int>(lane_.size());
@@ -201,5 +212,8 @@ void Stepper::iterate(const Step& step, const Drive& drive) {
     }
   }
 }
+
+template class StepperIn<2>;
+template class StepperIn<3>;
 
 }  // namespace flexarm::lanes

@@ -24,26 +24,37 @@ constexpr Eigen::Index instants_at_once = 32;
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
-/// An arm in its plane.
-struct Planar {
+/// An arm where its motion is computed.
+template <int D>
+struct Placed {
   std::size_t which;  // of the variants
-  std::unique_ptr<PlanarSystem> system;
-  lanes::State state;
-  lanes::Loads loads;
+  const assembly::SystemIn<D>* system;
+  assembly::StateIn<D> state;
+  assembly::LoadsIn<D> loads;
+  std::unique_ptr<PlanarSystem> plane = {};  // which is the system in a plane
+
+  InSpace<D> space() const {
+    if constexpr (D == 2) {
+      return InSpace<2>(*plane);
+    } else {
+      return {};
+    }
+  }
 };
 
 bool records_what_lanes_have(const TransientOptions& options) {
-  return options.dimension != Dimension::space && !options.record_rotations && !options.record_energies &&
-         !options.record_forces;
+  return !options.record_rotations && !options.record_energies && !options.record_forces;
 }
 
-bool points_at_nodes(const PlanarSystem& system) {
+template <int D>
+bool points_at_nodes(const assembly::SystemIn<D>& system) {
   return std::all_of(system.points().begin(), system.points().end(),
                      [](const auto& point) { return point.element < 0; });
 }
 
 /// Locked joints stay where they are: only then do drives mean the same.
-bool same_start(const Planar& one, const Planar& other) {
+template <int D>
+bool same_start(const Placed<D>& one, const Placed<D>& other) {
   for (std::size_t j = 0; j < one.system->joints().size(); ++j) {
     const int phi = one.system->joints()[j].phi;
     if (phi < 0 || one.system->drives()[j] != assembly::DriveKind::locked) continue;
@@ -53,10 +64,11 @@ bool same_start(const Planar& one, const Planar& other) {
 }
 
 /// Change of accelerations of free scalar coordinates and of multipliers by Φ'', consistent_forces.hpp (2).
-MatrixXd consistent_change(const Planar& arm) {
-  const PlanarSystem& system = *arm.system;
+template <int D>
+MatrixXd consistent_change(const Placed<D>& arm) {
+  const assembly::SystemIn<D>& system = *arm.system;
   const Eigen::Index m = system.n_constraints(), n_free = system.n_free(), first = system.scalar_offset();
-  ConsistentForcesIn<2> forces(system);
+  ConsistentForcesIn<D> forces(system);
   MatrixXd change(n_free - first + m, m);
   for (Eigen::Index k = 0; k < m; ++k) {
     VectorXd x = VectorXd::Zero(system.n_unknowns());
@@ -69,9 +81,10 @@ MatrixXd consistent_change(const Planar& arm) {
 }
 
 /// Runs of up to as many arms as there are lanes.
+template <int D>
 class Group {
  public:
-  Group(const lanes::Kernel& kernel, std::vector<Planar> arms, const TransientOptions& options,
+  Group(const lanes::Kernel& kernel, std::vector<Placed<D>> arms, const TransientOptions& options,
         Eigen::Index n_steps)
       : arms_(std::move(arms)),
         options_(options),
@@ -86,7 +99,7 @@ class Group {
     }
     for (std::size_t k = 0; k < arms_.size(); ++k) {
       // Its constructor makes room for what is recorded.
-      RecorderIn<2>(*arms_[k].system, options, n_steps + 1, runs_[k], InSpace<2>(*arms_[k].system));
+      RecorderIn<D>(*arms_[k].system, options, n_steps + 1, runs_[k], arms_[k].space());
     }
   }
 
@@ -109,7 +122,7 @@ class Group {
     empty(k - 1);
     for (Transient& run : runs_) {
       run.seconds = seconds_since(began) / static_cast<double>(arms_.size());
-      run.dimension = 2;
+      run.dimension = D;
       run.cancelled = k <= n_steps_;
       if (run.cancelled) run.finish(k);
     }
@@ -119,11 +132,15 @@ class Group {
   void hand_over(const std::vector<Variant>& variants, std::vector<std::optional<Transient>>& found) {
     for (int k = 0; k < size(); ++k) {
       if (!stepper_.runs(k)) continue;
-      const Planar& arm = arms_[at(k)];
-      runs_[at(k)].statistics = stepper_.statistics(k);
-      runs_[at(k)].final_state =
-          arm.system->embed(stepper_.final_state(k), variants[arm.which].equilibrium->state);
-      found[arm.which] = std::move(runs_[at(k)]);
+      const Placed<D>& arm = arms_[at(k)];
+      Transient& run = runs_[at(k)];
+      run.statistics = stepper_.statistics(k);
+      if constexpr (D == 2) {
+        run.final_state = arm.plane->embed(stepper_.final_state(k), variants[arm.which].equilibrium->state);
+      } else {
+        run.final_state = stepper_.final_state(k);
+      }
+      found[arm.which] = std::move(run);
     }
   }
 
@@ -132,19 +149,19 @@ class Group {
   int size() const { return static_cast<int>(arms_.size()); }
   double time(Eigen::Index k) const { return options_.start + static_cast<double>(k) * options_.step; }
 
-  std::vector<const lanes::PlanarArm*> systems() const {
-    std::vector<const lanes::PlanarArm*> all;
-    for (const Planar& arm : arms_) all.push_back(arm.system.get());
+  std::vector<const assembly::SystemIn<D>*> systems() const {
+    std::vector<const assembly::SystemIn<D>*> all;
+    for (const Placed<D>& arm : arms_) all.push_back(arm.system);
     return all;
   }
-  std::vector<lanes::Loads> loads() const {
-    std::vector<lanes::Loads> all;
-    for (const Planar& arm : arms_) all.push_back(arm.loads);
+  std::vector<assembly::LoadsIn<D>> loads() const {
+    std::vector<assembly::LoadsIn<D>> all;
+    for (const Placed<D>& arm : arms_) all.push_back(arm.loads);
     return all;
   }
-  std::vector<lanes::State> states() const {
-    std::vector<lanes::State> all;
-    for (const Planar& arm : arms_) all.push_back(arm.state);
+  std::vector<assembly::StateIn<D>> states() const {
+    std::vector<assembly::StateIn<D>> all;
+    for (const Placed<D>& arm : arms_) all.push_back(arm.state);
     return all;
   }
 
@@ -165,25 +182,27 @@ class Group {
       if (options_.record_points) {
         row = hand_on_points(lane, first, last);
       } else {
-        row = 4 * static_cast<int>(arms_[at(lane)].system->points().size());
+        row = 2 * D * static_cast<int>(arms_[at(lane)].system->points().size());
       }
       if (options_.record_joints) hand_on_joints(lane, row, first, last);
     }
   }
 
   int hand_on_points(int lane, Eigen::Index first, Eigen::Index last) {
-    const PlanarSystem& system = *arms_[at(lane)].system;
-    const InSpace<2> space(system);
-    const int n_points = static_cast<int>(system.points().size());
+    const InSpace<D> space = arms_[at(lane)].space();
+    const int n_points = static_cast<int>(arms_[at(lane)].system->points().size());
     for (int p = 0; p < n_points; ++p) {
       for (Eigen::Index k = first; k <= last; ++k) {
-        const geometry::Point<2> x(number(lane, 4 * p, k), number(lane, 4 * p + 1, k));
-        const geometry::Point<2> v(number(lane, 4 * p + 2, k), number(lane, 4 * p + 3, k));
+        Point<D> x, v;
+        for (int i = 0; i < D; ++i) {
+          x[i] = number(lane, 2 * D * p + i, k);
+          v[i] = number(lane, 2 * D * p + D + i, k);
+        }
         runs_[at(lane)].position.col(k).segment<3>(3 * p) = space.place(p, x);
         runs_[at(lane)].velocity.col(k).segment<3>(3 * p) = space.arrow(v);
       }
     }
-    return 4 * n_points;
+    return 2 * D * n_points;
   }
 
   void hand_on_joints(int lane, int row, Eigen::Index first, Eigen::Index last) {
@@ -207,48 +226,91 @@ class Group {
     return block_(static_cast<int>(k % instants_at_once) * stepper_.recorded_rows() + row, lane);
   }
 
-  std::vector<Planar> arms_;
+  std::vector<Placed<D>> arms_;
   const TransientOptions& options_;
   Eigen::Index n_steps_;
   int lanes_;
-  lanes::Stepper stepper_;
+  lanes::StepperIn<D> stepper_;
   Rows block_;
   std::vector<Transient> runs_;
 };
 
-/// Arms that suit, by structure.
-std::vector<std::vector<Planar>> by_structure(const std::vector<Variant>& variants,
-                                              const std::vector<PiecewisePolynomial>& drives,
-                                              const TransientOptions& options) {
-  std::vector<std::vector<Planar>> groups;
-  for (std::size_t k = 0; k < variants.size(); ++k) {
-    const auto& [system, equilibrium] = variants[k];
-    const Equilibrium start = consistent_start(
-        *system, *equilibrium, drives_of_joints<3>(*system, equilibrium->state, drives), options.start);
-    auto plane = PlanarSystem::about(*system, start.state, start.loads).system;
-    if (!plane) continue;
-    Planar arm{k, nullptr, plane->part(start.state), plane->part(start.loads)};
-    arm.state.t = arm.state.start = options.start;
-    if (!lanes::suits(*plane, arm.loads, options.has_consistent_forces()) ||
-        (options.record_points && !points_at_nodes(*plane)))
-      continue;
-    arm.system = std::move(plane);
-    const auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<Planar>& other) {
-      return lanes::same_structure(*other.front().system, *arm.system) && same_start(other.front(), arm);
-    });
-    if (group == groups.end()) {
-      groups.emplace_back().push_back(std::move(arm));
-    } else {
-      group->push_back(std::move(arm));
-    }
+/// Puts an arm to those of its structure, if it suits.
+template <int D>
+void sort_in(Placed<D> arm, const TransientOptions& options, std::vector<std::vector<Placed<D>>>& groups) {
+  arm.state.t = arm.state.start = options.start;
+  if (!lanes::suits(*arm.system, arm.loads, options.has_consistent_forces()) ||
+      (options.record_points && !points_at_nodes(*arm.system)))
+    return;
+  const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& others) {
+    return lanes::same_structure(*others.front().system, *arm.system) && same_start(others.front(), arm);
+  });
+  if (group == groups.end()) {
+    groups.emplace_back().push_back(std::move(arm));
+  } else {
+    group->push_back(std::move(arm));
   }
-  return groups;
 }
+
+/// Runs of all groups, as many at a time as there are lanes.
+class Runs {
+ public:
+  Runs(const std::vector<Variant>& variants, const std::vector<PiecewisePolynomial>& drives,
+       const TransientOptions& options, const Progress& progress)
+      : variants_(variants),
+        drives_(drives),
+        options_(options),
+        progress_(progress),
+        found(variants.size()) {}
+
+  /// @return false if the progress says so
+  template <int D>
+  bool make(std::vector<std::vector<Placed<D>>> groups) {
+    for (auto& arms : groups) {
+      while (!arms.empty()) {
+        const lanes::Kernel& kernel = *lanes::kernel_for(D, static_cast<int>(arms.size()));
+        const std::size_t n = std::min(arms.size(), static_cast<std::size_t>(kernel.lanes));
+        std::vector<Placed<D>> some(std::make_move_iterator(arms.end() - static_cast<std::ptrdiff_t>(n)),
+                                    std::make_move_iterator(arms.end()));
+        arms.resize(arms.size() - n);
+        if (!make_some(kernel, std::move(some))) return false;
+        done_ += n;
+      }
+    }
+    return true;
+  }
+
+ private:
+  template <int D>
+  bool make_some(const lanes::Kernel& kernel, std::vector<Placed<D>> some) {
+    const auto n = static_cast<double>(some.size());
+    const auto drive = drives_of_joints<D>(*some.front().system, some.front().state, drives_);
+    const Eigen::Index n_steps = number_of_steps(some.front().system->joints().size(), drives_, options_);
+    Group<D> group(kernel, std::move(some), options_, n_steps);
+    const auto told = [&](Eigen::Index k) {
+      const double here = static_cast<double>(k) / static_cast<double>(n_steps);
+      const double share = static_cast<double>(done_) + here * n;
+      return !progress_ || progress_(share / static_cast<double>(variants_.size()));
+    };
+    const bool goes_on = group.run(drive, told);
+    group.hand_over(variants_, found);
+    return goes_on;
+  }
+
+  const std::vector<Variant>& variants_;
+  const std::vector<PiecewisePolynomial>& drives_;
+  const TransientOptions& options_;
+  const Progress& progress_;
+  std::size_t done_ = 0;
+
+ public:
+  std::vector<std::optional<Transient>> found;
+};
 
 }  // namespace
 
 int arms_side_by_side() {
-  const lanes::Kernel* widest = lanes::kernel_for(std::numeric_limits<int>::max());
+  const lanes::Kernel* widest = lanes::kernel_for(2, std::numeric_limits<int>::max());
   return widest == nullptr ? 0 : widest->lanes;
 }
 
@@ -256,34 +318,29 @@ std::vector<std::optional<Transient>> simulate_side_by_side(const std::vector<Va
                                                             const std::vector<PiecewisePolynomial>& drives,
                                                             const TransientOptions& options,
                                                             const Progress& progress) {
-  std::vector<std::optional<Transient>> found(variants.size());
-  if (!records_what_lanes_have(options) || lanes::kernel_for(1) == nullptr) return found;
-  for (const Variant& variant : variants) {
-    number_of_steps(variant.system->joints().size(), drives, options);
-  }
-  std::size_t done = 0;
-  for (auto& arms : by_structure(variants, drives, options)) {
-    while (!arms.empty()) {
-      const lanes::Kernel& kernel = *lanes::kernel_for(static_cast<int>(arms.size()));
-      const std::size_t n = std::min(arms.size(), static_cast<std::size_t>(kernel.lanes));
-      std::vector<Planar> some(std::make_move_iterator(arms.end() - static_cast<std::ptrdiff_t>(n)),
-                               std::make_move_iterator(arms.end()));
-      arms.resize(arms.size() - n);
-      const auto drive = drives_of_joints<2>(*some.front().system, some.front().state, drives);
-      const Eigen::Index n_steps = number_of_steps(some.front().system->joints().size(), drives, options);
-      Group group(kernel, std::move(some), options, n_steps);
-      const auto told = [&](Eigen::Index k) {
-        const double here = static_cast<double>(k) / static_cast<double>(n_steps);
-        const double share = static_cast<double>(done) + here * static_cast<double>(n);
-        return !progress || progress(share / static_cast<double>(variants.size()));
-      };
-      const bool goes_on = group.run(drive, told);
-      group.hand_over(variants, found);
-      if (!goes_on) return found;
-      done += n;
+  Runs runs(variants, drives, options, progress);
+  if (!records_what_lanes_have(options) || lanes::kernel_for(2, 1) == nullptr) return runs.found;
+  std::vector<std::vector<Placed<2>>> in_planes;
+  std::vector<std::vector<Placed<3>>> in_space;
+  for (std::size_t k = 0; k < variants.size(); ++k) {
+    const auto& [system, equilibrium] = variants[k];
+    number_of_steps(system->joints().size(), drives, options);
+    Equilibrium start = consistent_start(
+        *system, *equilibrium, drives_of_joints<3>(*system, equilibrium->state, drives), options.start);
+    std::unique_ptr<PlanarSystem> plane;
+    if (options.dimension != Dimension::space) {
+      plane = PlanarSystem::about(*system, start.state, start.loads).system;
+    }
+    if (plane) {
+      const PlanarSystem& in_it = *plane;
+      sort_in<2>({k, &in_it, in_it.part(start.state), in_it.part(start.loads), std::move(plane)}, options,
+                 in_planes);
+    } else if (options.dimension != Dimension::plane) {
+      sort_in<3>({k, system, std::move(start.state), std::move(start.loads)}, options, in_space);
     }
   }
-  return found;
+  if (runs.make(std::move(in_planes))) runs.make(std::move(in_space));
+  return std::move(runs.found);
 }
 
 }  // namespace flexarm::simulation

@@ -51,6 +51,34 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("in space, too, and so are the products with the inverse tangent") {
+  const double turns[] = {1e-8, 1e-3, 0.02, 0.15, 0.6, 3.0};
+  const Vector6d u = (Vector6d() << 0.3, -1.2, 0.7, 0.4, 2.0, -0.9).finished();
+  for (const double one : turns) {
+    for (const double other : turns) {
+      Vector6d g, h;
+      g << 0.3, -0.4, 0.2, one * Vector3d(2, -1, 2) / 3;
+      h << -0.2, 0.7, 0.1, other * Vector3d(-6, 2, 3) / 7;
+      const auto both = packed<6, 1>(g, h), same = packed<6, 1>(g, g);
+      const FrameIn<3, Pair> H = exponential<3, Pair>(both);
+      const Twist<3, Pair> back = logarithm<3>(H);
+      const InverseTangentIn<3, Pair> tangent(both), of_same(same);
+      const auto pair = tangent.transpose_times(packed<6, 1>(u, u));
+      for (int lane = 0; lane < 2; ++lane) {
+        const Vector6d& own = lane == 0 ? g : h;
+        CHECK((unpacked(H.R, lane) - exp6(own).R).norm() < 2e-15);
+        CHECK((unpacked(H.x, lane) - exp6(own).x).norm() < 2e-15);
+        CHECK((unpacked(back, lane) - own).norm() < 1e-14);
+        const auto wanted = InverseTangent(own).transpose_times(u);
+        CHECK((unpacked(pair.left, lane) - wanted.left).norm() < 1e-13);
+        CHECK((unpacked(pair.right, lane) - wanted.right).norm() < 1e-13);
+      }
+      CHECK(unpacked(back, 0) == unpacked(Twist<3, Pair>(logarithm<3>(exponential<3, Pair>(same))), 0));
+      CHECK(unpacked(pair.left, 0) == unpacked(of_same.transpose_times(packed<6, 1>(u, u)).left, 0));
+    }
+  }
+}
+
 TEST_CASE("numbers are chosen and compared lane by lane") {
   alignas(16) const double numbers[] = {-2.0, 3.0}, chosen[] = {0.0, 1.0};
   const Pair a = Pair::at(numbers);

@@ -211,6 +211,7 @@ Real arcsine_ratio(const Real& y) {
 /// Rotation matrix of a rotation vector, and back (angle in [0, π]).
 Matrix3d exp3(const Vector3d& omega);
 Vector3d log3_beyond(const Matrix3d& R);  // any angle
+void log3_beyond(const double* R, double* omega);
 
 /// sin φ n.
 template <class Real>
@@ -230,6 +231,23 @@ inline Point<3, Two> log3(const Rotation<3, Two>& R) {
   const Two s_squared = s.squaredNorm();
   if (s_squared.both_below(0.01) && R.trace().both_above(1)) return series::arcsine_ratio(s_squared) * s;
   return side_by_side(log3(lane(R, 0)), log3(lane(R, 1)));
+}
+
+template <int N, class Processor>
+Point<3, Pack<N, Processor>> log3(const Rotation<3, Pack<N, Processor>>& R) {
+  using Real = Pack<N, Processor>;
+  const Point<3, Real> s = axial<Real>(R);
+  const Real s_squared = s.squaredNorm(), short_of_trace = 1 - R.trace();
+  Point<3, Real> all = series::arcsine_ratio(s_squared) * s;
+  if (s_squared.all_below(0.01) && short_of_trace.all_below(0)) return all;
+  for (int k = 0; k < N; ++k) {
+    if (s_squared[k] < 0.01 && short_of_trace[k] < 0) continue;
+    double own[9], omega[3];
+    for (int i = 0; i < 9; ++i) own[i] = R.data()[i][k];
+    log3_beyond(own, omega);
+    for (int i = 0; i < 3; ++i) all[i].set(k, omega[i]);
+  }
+  return all;
 }
 
 /// Angle of a rotation in the plane, in (−π, π].

@@ -57,8 +57,7 @@ class InverseTangentIn {
     if constexpr (D == 2) {
       A_ = series::inverse_v(x);
     } else if (series::below(x, series::tiny)) {
-      A_ = 1.0 / 12 - x * x * (1.0 / 30240 + x * (2.0 / 1209600));
-      B_ = -1.0 / 720 - x * (2.0 / 30240 + x * (3.0 / 1209600 + x * (4.0 / 47900160)));
+      set_tiny(x);
     } else {
       set_beyond(x);
     }
@@ -87,6 +86,10 @@ class InverseTangentIn {
   }
 
  private:
+  void set_tiny(const Real& x) {
+    A_ = 1.0 / 12 - x * x * (1.0 / 30240 + x * (2.0 / 1209600));
+    B_ = -1.0 / 720 - x * (2.0 / 30240 + x * (3.0 / 1209600 + x * (4.0 / 47900160)));
+  }
   void set_beyond(double x) {
     const auto k = inverse_tangent_coefficients<D>(x);
     A_ = k.A;
@@ -96,6 +99,17 @@ class InverseTangentIn {
     const auto first = inverse_tangent_coefficients<D>(x[0]), second = inverse_tangent_coefficients<D>(x[1]);
     A_ = Two(first.A, second.A);
     B_ = Two(first.B, second.B);
+  }
+  template <int N, class Processor>
+  void set_beyond(const Pack<N, Processor>& x) {
+    set_tiny(x);
+    if (x.all_below(series::tiny)) return;
+    for (int k = 0; k < N; ++k) {
+      if (x[k] < series::tiny) continue;
+      const auto own = inverse_tangent_coefficients<D>(x[k]);
+      A_.set(k, own.A);
+      B_.set(k, own.B);
+    }
   }
 
   TwistD d_;

@@ -1,5 +1,5 @@
 /// @file
-/// Planar arms of one structure, laid out for the code that steps them side by side (lanes/numbers.hpp).
+/// Arms of one structure, laid out for the code that steps them side by side (lanes/numbers.hpp).
 #pragma once
 
 #include <memory>
@@ -13,27 +13,30 @@
 
 namespace flexarm::lanes {
 
-using PlanarArm = assembly::SystemIn<2>;
-using State = assembly::StateIn<2>;
-using Loads = assembly::LoadsIn<2>;
+using assembly::LoadsIn;
+using assembly::StateIn;
+using assembly::SystemIn;
 
 /// Whether an arm can step beside others of its structure: it has beams, rigid bodies and joints in a tree.
 /// For `consistent` forces no inner hinge may turn.
-bool suits(const PlanarArm& arm, const Loads& loads, bool consistent);
+template <int D>
+bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent);
 
 /// Whether the force of a law follows from its deflection and rate by three numbers.
 bool has_three_numbers(const assembly::PlacedLaw& law);
 
 /// Whether two arms differ in numbers only.
-bool same_structure(const PlanarArm& one, const PlanarArm& other);
+template <int D>
+bool same_structure(const SystemIn<D>& one, const SystemIn<D>& other);
 
-class ArmNumbers {
+template <int D>
+class ArmNumbersIn {
  public:
   /// @param arms of one structure, which suit; fewer than lanes leave the last lanes with those of the first.
-  ArmNumbers(const std::vector<const PlanarArm*>& arms, const std::vector<Loads>& loads, int lanes);
+  ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms, const std::vector<LoadsIn<D>>& loads, int lanes);
 
   const Arms& arms() const { return arms_; }
-  const solvers::WeldsIn<2>& welds(int lane) const { return *welds_[static_cast<std::size_t>(lane)]; }
+  const solvers::WeldsIn<D>& welds(int lane) const { return *welds_[static_cast<std::size_t>(lane)]; }
 
   /// @return false if the inverse is not cut as those of the lanes before.
   bool set_inverse(int lane, const solvers::DissectedInverse& inverse);
@@ -42,13 +45,13 @@ class ArmNumbers {
   void set_consistent(int lane, const Eigen::MatrixXd& change);
 
  private:
-  void lay_out(const PlanarArm& arm);
-  void fill(int lane, const PlanarArm& arm, const Loads& loads);
+  void lay_out(const SystemIn<D>& arm);
+  void fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& loads);
   bool cut_as(const solvers::DissectedInverse& inverse) const;
   void cut(const solvers::DissectedInverse& inverse);
 
   int lanes_;
-  std::vector<std::unique_ptr<solvers::WeldsIn<2>>> welds_;
+  std::vector<std::unique_ptr<solvers::WeldsIn<D>>> welds_;
   std::vector<int> beam_nodes_, body_nodes_, carriers_, point_nodes_;
   std::vector<JointPlace> joints_;
   std::vector<LawPlace> laws_;

@@ -1,6 +1,7 @@
 /// @file
-/// Steps of planar arms side by side: solvers/hht.hpp with the equations of assembly/equations.hpp, without a
-/// decision that depends on a lane. Included once for each kind of processor.
+/// Steps of arms side by side, in a plane or in space: solvers/hht.hpp with the equations of
+/// assembly/equations.hpp, without a decision that depends on a lane. Included once for each kind of
+/// processor.
 #pragma once
 
 #include <utility>
@@ -14,7 +15,7 @@
 
 namespace flexarm::lanes {
 
-template <int N, class Processor>
+template <int D, int N, class Processor>
 class KernelCode {
  public:
   static constexpr Kernel kernel{N, &KernelCode::predict, &KernelCode::solve, &KernelCode::correct,
@@ -22,10 +23,12 @@ class KernelCode {
 
  private:
   using Real = geometry::Pack<N, Processor>;
-  using Frame = geometry::FrameIn<2, Real>;
-  using Twist = geometry::Twist<2, Real>;
-  using Joint = joints::JointFrames<2, Real>;
-  static constexpr int n = freedoms;
+  using Frame = geometry::FrameIn<D, Real>;
+  using Twist = geometry::Twist<D, Real>;
+  using TwistMatrix = geometry::TwistMatrix<D, Real>;
+  using Point = geometry::Point<D, Real>;
+  using Joint = joints::JointFrames<D, Real>;
+  static constexpr int n = geometry::freedoms<D>, frame_rows = lanes::frame_rows<D>;
 
   static Real at(const double* rows, int k) { return Real::at(rows + N * k); }
   static void put(double* rows, int k, const Real& value) { value.put(rows + N * k); }
@@ -47,31 +50,30 @@ class KernelCode {
     for (int i = 0; i < Matrix::SizeAtCompileTime; ++i) add(rows, k + i, m.data()[i]);
   }
   static Frame frame(const double* rows, int k) {
-    return {matrix<geometry::Rotation<2, Real>>(rows, frame_rows * k),
-            matrix<geometry::Point<2, Real>>(rows, frame_rows * k + 4)};
+    return {matrix<geometry::Rotation<D, Real>>(rows, frame_rows * k),
+            matrix<Point>(rows, frame_rows * k + D * D)};
   }
   static void put_frame(double* rows, int k, const Frame& H) {
     put_matrix(rows, frame_rows * k, H.R);
-    put_matrix(rows, frame_rows * k + 4, H.x);
+    put_matrix(rows, frame_rows * k + D * D, H.x);
   }
 
   static Joint joint(const Arms& arms, int k) {
     constexpr int rows = 3 * frame_rows + n + 2 * n * n;
     const double* own = arms.joint_numbers + N * rows * k;
-    using Matrix = geometry::TwistMatrix<2, Real>;
     return {frame(own, 0),
             frame(own, 1),
             frame(own, 2),
             matrix<Twist>(own, 3 * frame_rows),
-            matrix<Matrix>(own, 3 * frame_rows + n),
-            matrix<Matrix>(own, 3 * frame_rows + n + n * n)};
+            matrix<TwistMatrix>(own, 3 * frame_rows + n),
+            matrix<TwistMatrix>(own, 3 * frame_rows + n + n * n)};
   }
 
   [[gnu::flatten]] static void place(const Arms& arms, Motion& motion) {
     for (int i = 0; i < arms.n_carriers; ++i) {
       const int k = arms.carriers[i];
       const Frame H = frame(motion.frames_before, k) *
-                      geometry::exponential<2, Real>(matrix<Twist>(motion.exponent, n * k));
+                      geometry::exponential<D, Real>(matrix<Twist>(motion.exponent, n * k));
       put_frame(motion.frames, k, H);
     }
     for (int i = 0; i < arms.n_followers; ++i) {
@@ -146,14 +148,14 @@ class KernelCode {
     for (int i = 0; i < arms.n_bodies; ++i) {
       const int k = n * arms.body_nodes[i];
       add_matrix(r, k,
-                 elements::RigidBodyIn<2>::inertia_forces<Real>(
-                     matrix<geometry::TwistMatrix<2, Real>>(arms.bodies, n * n * i),
-                     matrix<Twist>(motion.v, k), matrix<Twist>(motion.v_dot, k)));
+                 elements::RigidBodyIn<D>::template inertia_forces<Real>(
+                     matrix<TwistMatrix>(arms.bodies, n * n * i), matrix<Twist>(motion.v, k),
+                     matrix<Twist>(motion.v_dot, k)));
     }
-    const auto gravity = matrix<geometry::Point<2, Real>>(arms.gravity, 0);
+    const auto gravity = matrix<Point>(arms.gravity, 0);
     for (int k = 0; k < arms.n_nodes; ++k) {
-      const elements::WeightIn<2, Real> weight{at(arms.weights, n * k),
-                                               matrix<geometry::Point<2, Real>>(arms.weights, n * k + 1)};
+      const int own = (1 + D) * k;
+      const elements::WeightIn<D, Real> weight{at(arms.weights, own), matrix<Point>(arms.weights, own + 1)};
       add_matrix(r, n * k, Twist(-weight.force(frame(motion.frames, k).R, gravity)));
     }
     for (int k = 0; k < arms.n_joints; ++k) add_joint(arms, motion, k, n_free);
@@ -175,7 +177,7 @@ class KernelCode {
   }
 
   [[gnu::always_inline]] static void add_beam(const Arms& arms, Motion& motion, int k) {
-    using Forces = elements::BeamForces<2, Real>;
+    using Forces = elements::BeamForces<D, Real>;
     constexpr int rows = 2 * n + 1 + 4 * n * n;
     const double* own = arms.beams + N * rows * k;
     const int node1 = arms.beam_nodes[2 * k], node2 = arms.beam_nodes[2 * k + 1];
@@ -234,7 +236,7 @@ class KernelCode {
       if (carrier < 0) continue;
       const Frame X_inverse = frame(arms.follower_frames, 2 * i + 1);
       add_matrix(motion.dx, n * carrier,
-                 geometry::adjoint_transpose_product<2>(X_inverse, matrix<Twist>(motion.dx, n * node)));
+                 geometry::adjoint_transpose_product<D>(X_inverse, matrix<Twist>(motion.dx, n * node)));
     }
     substitute(arms, motion);
   }
@@ -274,7 +276,7 @@ class KernelCode {
     for (int i = 0; i < arms.n_followers; ++i) {
       const auto [node, carrier] = arms.followers[i];
       const Twist own = carrier < 0 ? Twist(Twist::Zero())
-                                    : geometry::adjoint_product<2>(frame(arms.follower_frames, 2 * i + 1),
+                                    : geometry::adjoint_product<D>(frame(arms.follower_frames, 2 * i + 1),
                                                                    matrix<Twist>(motion.dx, n * carrier));
       put_matrix(motion.dx, n * node, own);
     }
@@ -285,7 +287,7 @@ class KernelCode {
     for (int k = 0; k < n_free; ++k) {
       const Real dx = at(motion.dx, k);
       sum += dx;
-      Real& largest = k < n * arms.n_nodes && k % n < 2 ? translation : rest;
+      Real& largest = k < n * arms.n_nodes && k % n < D ? translation : rest;
       largest = Real::larger(largest, dx.magnitude());
       const Real here = dx.where(chosen);
       add(motion.exponent, k, here);
@@ -336,14 +338,14 @@ class KernelCode {
     for (int i = 0; i < arms.n_points; ++i) {
       const int k = arms.point_nodes[i];
       const Frame H = frame(motion.frames, k);
-      const auto lever = matrix<geometry::Point<2, Real>>(arms.point_offsets, 2 * i);
+      const auto lever = matrix<Point>(arms.point_offsets, D * i);
       const Twist v =
-          geometry::adjoint_product<2>(Frame::translation(-lever), matrix<Twist>(motion.v, n * k));
-      put_matrix(rows, 4 * i, geometry::Point<2, Real>(H * lever));
-      put_matrix(rows, 4 * i + 2, geometry::Point<2, Real>(H.R * v.template head<2>()));
+          geometry::adjoint_product<D>(Frame::translation(-lever), matrix<Twist>(motion.v, n * k));
+      put_matrix(rows, 2 * D * i, Point(H * lever));
+      put_matrix(rows, 2 * D * i + D, Point(H.R * v.template head<D>()));
     }
     if (arms.n_outputs == 0) return;
-    double* told = rows + N * 4 * arms.n_points;
+    double* told = rows + N * 2 * D * arms.n_points;
     const double *v_dot = motion.v_dot + N * offset, *multipliers = motion.multipliers;
     if (arms.consistent != nullptr) {
       find_consistent(arms, motion);

@@ -1,16 +1,17 @@
 /// @file
-/// Planar arms of one structure side by side, as code for one kind of processor sees them: numbers and
-/// places.
+/// Arms of one structure side by side, in a plane (D = 2) or in space (3), as code for one kind of processor
+/// sees them: numbers and places. A twist has n of them, 3 or 6.
 ///
 /// Every quantity of an arm is a row of N numbers, one a lane, and rows lie one after the other. Rows named
-/// `frame` are six: R by columns, x. The code is compiled with options that other code must not share, so
+/// `frame` are R by columns, x. The code is compiled with options that other code must not share, so
 /// nothing here has functions, and matrices are rows of their entries by columns.
 #pragma once
 
 namespace flexarm::lanes {
 
-/// Numbers of a node, of a rigid body's frame and of a joint's.
-inline constexpr int freedoms = 3, frame_rows = 6;
+/// Numbers of a frame.
+template <int D>
+inline constexpr int frame_rows = D * D + D;
 
 struct JointPlace {
   int node_a, node_b, coordinate, first_row;
@@ -54,11 +55,11 @@ struct Arms {
   const JointPlace* joints;
   const LawPlace* laws;
   const FollowerPlace* followers;
-  const double* beams;            ///< K (3), d₀ + b (3), η, M (36) of each
-  const double* bodies;           ///< M (9) of each
-  const double* weights;          ///< mass, first moment (2) of each node
-  const double* gravity;          ///< (2)
-  const double* joint_numbers;    ///< X_b, X_a⁻¹, X_b⁻¹ (frames), ξ (3), Ad_a, Ad_b (9 each) of each
+  const double* beams;            ///< K (n), d₀ + b (n), η, M (4 n²) of each
+  const double* bodies;           ///< M (n²) of each
+  const double* weights;          ///< mass, first moment (D) of each node
+  const double* gravity;          ///< (D)
+  const double* joint_numbers;    ///< X_b, X_a⁻¹, X_b⁻¹ (frames), ξ (n), Ad_a, Ad_b (n² each) of each
   const double* law_numbers;      ///< force without deflection and rate, stiffness, damping of each
   const double* scalar_inertia;   ///< of each scalar coordinate
   const double* follower_frames;  ///< X, X⁻¹ of each
@@ -72,7 +73,7 @@ struct Arms {
 
   int n_points;
   const int* point_nodes;
-  const double* point_offsets;  ///< (2) of each
+  const double* point_offsets;  ///< (D) of each
   int n_outputs;
   const JointOutput* outputs;
   /// Change of accelerations of free scalar coordinates and of multipliers by Φ'': (n_free_scalars +
@@ -114,13 +115,13 @@ struct Kernel {
   /// Corrects state 1 in lanes whose entry of `active` is not 0. @param sizes of the increments in all lanes;
   /// not a number where one is not finite
   void (*correct)(const Arms&, Motion&, const Step&, const double* active, double* sizes);
-  /// Position and velocity in the plane of every point (4 rows), and of every joint θ, θ', φ, φ', the motor's
-  /// torque and the joint's (6 rows).
+  /// Position and velocity of every point (2 D rows), and of every joint θ, θ', φ, φ', the motor's torque and
+  /// the joint's (6 rows).
   void (*record)(const Arms&, Motion&, double* rows);
 };
 
-/// The code that this processor runs with as many lanes as it has vectors for, but not twice as many as there
-/// are arms; null: none.
-const Kernel* kernel_for(int arms);
+/// The code that this processor runs in a plane (2) or in space (3), with as many lanes as it has vectors
+/// for, but not twice as many as there are arms; null: none.
+const Kernel* kernel_for(int dimension, int arms);
 
 }  // namespace flexarm::lanes

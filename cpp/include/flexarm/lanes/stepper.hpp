@@ -1,5 +1,5 @@
 /// @file
-/// Planar arms of one structure that step together, one a lane of vector registers.
+/// Arms of one structure that step together, one a lane of vector registers.
 ///
 /// Each lane makes the steps of solvers/hht.hpp: it stops iterating by its own increments and waits for the
 /// others, and no number of it depends on theirs, so that an arm moves the same way in any company. Laws that
@@ -16,13 +16,14 @@
 
 namespace flexarm::lanes {
 
-class Stepper {
+template <int D>
+class StepperIn {
  public:
   /// @param arms of one structure, which suit, up to as many as the kernel has lanes; with the loads on each
   /// and the states where they start, at rest
-  Stepper(const Kernel& kernel, const std::vector<const PlanarArm*>& arms, const std::vector<Loads>& loads,
-          const std::vector<State>& states, const solvers::HhtCoefficients& coefficients,
-          const solvers::HhtOptions& options);
+  StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D>*>& arms,
+            const std::vector<LoadsIn<D>>& loads, const std::vector<StateIn<D>>& states,
+            const solvers::HhtCoefficients& coefficients, const solvers::HhtOptions& options);
 
   /// One step of size h along drives that all arms share.
   void advance(double h, const solvers::Drives& drives);
@@ -33,29 +34,29 @@ class Stepper {
   const solvers::HhtStatistics& statistics(int lane) const {
     return lane_[static_cast<std::size_t>(lane)].statistics;
   }
-  State state(int lane) const;
+  StateIn<D> state(int lane) const;
   /// The same with the forces of joints that steps leave out.
-  State final_state(int lane) const;
+  StateIn<D> final_state(int lane) const;
 
-  /// Change of accelerations and multipliers by Φ'' that record() is to add, see ArmNumbers.
+  /// Change of accelerations and multipliers by Φ'' that record() is to add, see ArmNumbersIn.
   void set_consistent(int lane, const Eigen::MatrixXd& change) { numbers_.set_consistent(lane, change); }
-  int recorded_rows() const { return 4 * numbers_.arms().n_points + 6 * numbers_.arms().n_outputs; }
+  int recorded_rows() const { return 2 * D * numbers_.arms().n_points + 6 * numbers_.arms().n_outputs; }
   /// See Kernel::record.
   void record(double* rows) { kernel_.record(numbers_.arms(), motion_, rows); }
 
  private:
   struct Lane {
-    const PlanarArm* arm;
-    Loads loads;
-    State now;  // as it started, but for what laws need
-    assembly::IterationMatrixIn<2> matrix;
-    solvers::TangentChangesIn<2> changes;
+    const SystemIn<D>* arm;
+    LoadsIn<D> loads;
+    StateIn<D> now;  // as it started, but for what laws need
+    assembly::IterationMatrixIn<D> matrix;
+    solvers::TangentChangesIn<D> changes;
     bool runs = true;
     double contraction = 0.5;
     solvers::HhtStatistics statistics = {};
   };
 
-  void put(int lane, const State& state);
+  void put(int lane, const StateIn<D>& state);
   void find_law_forces(int lane);
   void follow_changes(int lane, bool again);
   bool factor(int lane, double h);
@@ -64,7 +65,7 @@ class Stepper {
   const Kernel& kernel_;
   solvers::HhtCoefficients coefficients_;
   solvers::HhtOptions options_;
-  ArmNumbers numbers_;
+  ArmNumbersIn<D> numbers_;
   std::vector<Lane> lane_;
   double t_, factored_h_ = 0;
   long steps_ = 0;
