@@ -1,6 +1,7 @@
 """Arms side by side in vector registers move as each does alone, but for rounding."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -134,15 +135,87 @@ def elbowed(rng: np.random.Generator) -> flexarm.Arm:
     )
 
 
-def test_inner_hinges_are_followed_where_forces_are_those_of_the_stepping() -> None:
-    arms = [elbowed(np.random.default_rng(seed)) for seed in range(4)]
-    swing = {"hinge": 0.9 * np.sin(2.5 * TIME) ** 2, "elbow": 0.7 * np.sin(2 * TIME) ** 2}
-    drive = flexarm.Drive.from_samples(TIME, swing)
-    pairs = [(arm, drive) for arm in arms]
-    for arm, run in zip(arms, side_by_side(pairs, consistent_forces=False), strict=True):
+def robot(rng: np.random.Generator, *effects: dict[str, Any], slides: bool = False) -> flexarm.Arm:
+    """Return an arm in space with three joints, the last of which turns or slides."""
+    last = {"name": "elbow", "type": "prismatic" if slides else "revolute", "axis": [0, 1, 0]}
+    reach = rng.uniform(0.8, 1.1)
+    return flexarm.Arm.from_dict(
+        {
+            "joints": [
+                hinge("hinge", "column", axis=[0, 0, 1]),
+                hinge("shoulder", "rod", "column", origin={"xyz": [0, 0, 0.4]}),
+                last | {"parent": "rod", "child": "tail", "at": "end"},
+            ],
+            "links": [
+                rigid("column", 12.0, [0, 0, 0.2], [0.3, 0.3, 0.2]),
+                beam("rod", [0, 0, 1.2], TUBE, elements=3, damping_ratio=rng.uniform(0, 0.02)),
+                beam("tail", [reach, 0, 0], TUBE, elements=2),
+            ],
+            "payloads": [
+                {"name": "load", "link": "tail", "position": [reach, 0, 0], "mass": rng.uniform(2, 9)}
+            ],
+            "points": [point("tip", "tail", [reach, 0, 0])],
+            "effects": [
+                compliance("hinge", rng.uniform(5e4, 9e4), 90),
+                compliance("shoulder", 6e4, 90),
+                compliance("elbow", 3e4, 60),
+                *effects,
+            ],
+        }
+    )
+
+
+REACHES = flexarm.Drive.from_samples(
+    TIME,
+    {
+        "hinge": 0.9 * np.sin(2.5 * TIME) ** 2,
+        "shoulder": 0.5 * np.sin(2 * TIME) ** 2,
+        "elbow": -0.7 * np.sin(2 * TIME) ** 2,
+    },
+)
+BENDS = flexarm.Drive.from_samples(
+    TIME, {"hinge": 0.9 * np.sin(2.5 * TIME) ** 2, "elbow": 0.7 * np.sin(2 * TIME) ** 2}
+)
+
+
+@pytest.mark.parametrize("consistent", [True, False])
+@pytest.mark.parametrize(
+    ("make", "drive"), [(elbowed, BENDS), (robot, REACHES), (partial(robot, slides=True), REACHES)]
+)
+def test_inner_joints_are_followed(
+    make: Callable[..., flexarm.Arm], drive: flexarm.Drive, consistent: bool
+) -> None:
+    arms = [make(np.random.default_rng(seed)) for seed in range(10)]
+    runs = side_by_side([(arm, drive) for arm in arms], consistent_forces=consistent)
+    for arm, run in zip(arms, runs, strict=True):
         assert run is not None
-        assert_same(run, flexarm.simulate(arm, drive, consistent_forces=False), 1e2)
-    assert side_by_side(pairs) == [None] * 4
+        assert_same(run, flexarm.simulate(arm, drive, consistent_forces=consistent), 1e2)
+    [single] = side_by_side([(arms[9], drive)], consistent_forces=consistent)
+    assert single is not None
+    assert runs[9] is not None
+    assert np.array_equal(runs[9].position, single.position)
+    assert np.array_equal(runs[9].joint_torque, single.joint_torque)
+
+
+def test_matrices_that_are_factored_anew_disturb_no_other_lane() -> None:
+    arms = [elbowed(np.random.default_rng(seed)) for seed in range(6)]
+    swing = {"hinge": 2.7 * np.sin(2.5 * TIME) ** 2, "elbow": 2.1 * np.sin(2 * TIME) ** 2}
+    drive = flexarm.Drive.from_samples(TIME, swing)
+    runs = side_by_side([(arm, drive) for arm in arms], step=5e-3)
+    for arm, run in zip(arms, runs, strict=True):
+        assert run is not None
+        assert run.solver["factorisations"] > 5
+        assert_same(run, flexarm.simulate(arm, drive, step=5e-3), 1e2)
+        [single] = side_by_side([(arm, drive)], step=5e-3)
+        assert single is not None
+        assert np.array_equal(run.position, single.position)
+
+
+def test_laws_that_are_not_linear_go_with_inner_joints() -> None:
+    arms = [robot(np.random.default_rng(seed), FRICTION) for seed in range(3)]
+    for arm, run in zip(arms, side_by_side([(arm, REACHES) for arm in arms]), strict=True):
+        assert run is not None
+        assert_same(run, flexarm.simulate(arm, REACHES), 1e3)
 
 
 def test_a_run_does_not_depend_on_its_company_by_one_bit() -> None:

@@ -1,5 +1,7 @@
 #include "flexarm/lanes/arm_numbers.hpp"
 
+#include <numeric>
+
 #include "flexarm/solvers/kept_factor.hpp"
 #include "flexarm/solvers/step_matrix.hpp"
 #include "flexarm/solvers/tangent_changes.hpp"
@@ -15,15 +17,8 @@ int put_frame(Rows& rows, int row, int lane, const geometry::FrameIn<D>& H) {
   return rows.put(rows.put(row, lane, H.R), lane, H.x);
 }
 
-/// Rows `first` to `first + count` of a matrix by blocks.
 int put_blocks(Rows& rows, int row, int lane, const solvers::PackedMatrix& A, int first, int count) {
-  for (int at = first; at < first + count; at += block_rows) {
-    const int behind = std::min(at + block_rows, first + count);
-    for (int j = 0; j < A.cols(); ++j) {
-      for (int i = at; i < behind; ++i) rows(row++, lane) = A(i, j);
-    }
-  }
-  return row;
+  return rows.put_blocks(row, lane, A, first, count, static_cast<int>(A.cols()));
 }
 
 int count(const auto& things) { return static_cast<int>(things.size()); }
@@ -33,7 +28,7 @@ int count(const auto& things) { return static_cast<int>(things.size()); }
 bool has_three_numbers(const assembly::PlacedLaw& law) { return law.of < 0 && joints::is_linear(law.law); }
 
 template <int D>
-bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent) {
+bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads) {
   const bool others = !arm.gears().empty() || !arm.closures().empty() || !arm.superelements().empty() ||
                       !loads.points.empty() || arm.pedestal().node >= 0;
   if (others) return false;
@@ -42,8 +37,7 @@ bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent) {
   }
   const solvers::WeldsIn<D> welds(arm, true);
   const solvers::TangentChangesIn<D> turns(arm, welds, false);
-  return turns.follows_constraints() && !(consistent && turns.any()) &&
-         welds.n_unknowns() <= solvers::KeptFactor::largest_inverse;
+  return turns.follows_constraints() && welds.n_unknowns() <= solvers::KeptFactor::largest_inverse;
 }
 
 template <int D>
@@ -80,6 +74,11 @@ ArmNumbersIn<D>::ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms,
     : lanes_(lanes) {
   for (const SystemIn<D>* arm : arms) welds_.push_back(std::make_unique<solvers::WeldsIn<D>>(*arm, true));
   lay_out(*arms.front());
+  unknowns_.resize(static_cast<std::size_t>(arms_.n_reduced));
+  for (int k = 0; k < arms.front()->n_unknowns(); ++k) {
+    const int row = welds_.front()->row(k);
+    if (row >= 0) unknowns_[static_cast<std::size_t>(row)] = k;
+  }
   for (int lane = 0; lane < lanes; ++lane) {
     const std::size_t which = lane < count(arms) ? static_cast<std::size_t>(lane) : 0;
     fill(lane, *arms[which], loads[which]);
@@ -153,7 +152,9 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
            .point_offsets = room(point_offsets_, D * count(point_nodes_)),
            .n_outputs = count(outputs_),
            .outputs = outputs_.data(),
-           .consistent = nullptr};
+           .turns = {},
+           .consistent = nullptr,
+           .consistent_turns = {}};
 }
 
 template <int D>
@@ -207,13 +208,7 @@ void ArmNumbersIn<D>::fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& l
 template <int D>
 void ArmNumbersIn<D>::cut(const solvers::DissectedInverse& inverse) {
   cut_order_ = inverse.order();
-  const solvers::WeldsIn<D>& welds = *welds_.front();
-  std::vector<int> unknowns(static_cast<std::size_t>(arms_.n_reduced));
-  const int n_unknowns = geometry::freedoms<D> * arms_.n_nodes + arms_.n_free_scalars + arms_.n_constraints;
-  for (int k = 0; k < n_unknowns; ++k) {
-    if (welds.row(k) >= 0) unknowns[static_cast<std::size_t>(welds.row(k))] = k;
-  }
-  for (const int k : cut_order_) order_.push_back(unknowns[static_cast<std::size_t>(k)]);
+  for (const int k : cut_order_) order_.push_back(unknowns_[static_cast<std::size_t>(k)]);
   for (const auto& part : inverse.parts()) boundaries_.push_back(part.boundary);
   int inner = 0;
   for (std::size_t p = 0; p < boundaries_.size(); ++p) {
@@ -257,16 +252,32 @@ bool ArmNumbersIn<D>::set_inverse(int lane, const solvers::DissectedInverse& inv
 }
 
 template <int D>
-void ArmNumbersIn<D>::set_consistent(int lane, const MatrixXd& change) {
+void ArmNumbersIn<D>::set_turns(int lane, const Changes& changes) {
+  if (arms_.turns.n_joints == 0) {
+    turns_ = TurnNumbersIn<D>(changes, unknowns_, arms_.n_reduced, lanes_);
+    arms_.turns = turns_.turns();
+  }
+  turns_.set(lane, changes, changes.W()(cut_order_, Eigen::all));
+}
+
+template <int D>
+void ArmNumbersIn<D>::set_consistent(int lane, const MatrixXd& change, const Changes& changes,
+                                     const MatrixXd& W) {
   if (arms_.consistent == nullptr) {
     consistent_ = Rows(static_cast<int>(change.size()), lanes_);
     arms_.consistent = consistent_.data();
+    std::vector<int> all(static_cast<std::size_t>(changes.system().n_unknowns()));
+    std::iota(all.begin(), all.end(), 0);
+    consistent_turns_ = TurnNumbersIn<D>(changes, all, static_cast<int>(W.rows()), lanes_);
+    arms_.consistent_turns = consistent_turns_.turns();
   }
-  put_blocks(consistent_, 0, lane, solvers::PackedMatrix(change), 0, static_cast<int>(change.rows()));
+  consistent_.put_blocks(0, lane, change, 0, static_cast<int>(change.rows()),
+                         static_cast<int>(change.cols()));
+  consistent_turns_.set(lane, changes, W);
 }
 
-template bool suits<2>(const SystemIn<2>&, const LoadsIn<2>&, bool);
-template bool suits<3>(const SystemIn<3>&, const LoadsIn<3>&, bool);
+template bool suits<2>(const SystemIn<2>&, const LoadsIn<2>&);
+template bool suits<3>(const SystemIn<3>&, const LoadsIn<3>&);
 template bool same_structure<2>(const SystemIn<2>&, const SystemIn<2>&);
 template bool same_structure<3>(const SystemIn<3>&, const SystemIn<3>&);
 template class ArmNumbersIn<2>;

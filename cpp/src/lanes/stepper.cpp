@@ -43,6 +43,7 @@ StepperIn<D>::StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D
              .work = room(work_, 4 * n_unknowns + all.n_scalars),
              .acceleration = room(acceleration_, 2 * all.n_constraints + all.n_scalars)};
   active_ = Rows(1, lanes);
+  fresh_ = Rows(1, lanes);
   sizes_ = Rows(1, lanes);
   for (std::size_t k = 0; k < arms.size(); ++k) {
     lane_.push_back({arms[k], loads[k], states[k], assembly::IterationMatrixIn<D>(*arms[k]),
@@ -53,11 +54,6 @@ StepperIn<D>::StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D
   }
   for (int k = 0; k < all.n_laws; ++k) {
     if (!all.laws[k].linear) own_laws_.push_back(k);
-  }
-  reduced_.resize(static_cast<std::size_t>(all.n_reduced));
-  for (int k = 0; k < n_unknowns; ++k) {
-    const int row = numbers_.welds(0).row(k);
-    if (row >= 0) reduced_[static_cast<std::size_t>(row)] = k;
   }
   for (int lane = 0; lane < static_cast<int>(lane_.size()); ++lane) find_law_forces(lane);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(all.n_scalars);
@@ -114,10 +110,11 @@ void StepperIn<D>::find_law_forces(int lane) {
 template <int D>
 void StepperIn<D>::follow_changes(int lane, bool again) {
   Lane& own = lane_[static_cast<std::size_t>(lane)];
-  x_.resize(static_cast<Eigen::Index>(reduced_.size()));
-  for (Eigen::Index k = 0; k < x_.size(); ++k) x_[k] = dx_(reduced_[static_cast<std::size_t>(k)], lane);
+  const std::vector<int>& unknowns = numbers_.unknowns();
+  x_.resize(static_cast<Eigen::Index>(unknowns.size()));
+  for (Eigen::Index k = 0; k < x_.size(); ++k) x_[k] = dx_(unknowns[static_cast<std::size_t>(k)], lane);
   own.changes.correct(own.now, x_, again);
-  for (Eigen::Index k = 0; k < x_.size(); ++k) dx_(reduced_[static_cast<std::size_t>(k)], lane) = x_[k];
+  for (Eigen::Index k = 0; k < x_.size(); ++k) dx_(unknowns[static_cast<std::size_t>(k)], lane) = x_[k];
 }
 
 template <int D>
@@ -148,7 +145,9 @@ bool StepperIn<D>::factor(int lane, double h) {
   solvers::KeptFactor factor;
   if (!factor.factor(welds.any() ? welds.reduce(*S) : *S)) return false;
   own.changes.keep(here, c, law_tangents, factor.by_substitution());
-  return factor.inverse() != nullptr && numbers_.set_inverse(lane, *factor.inverse());
+  if (factor.inverse() == nullptr || !numbers_.set_inverse(lane, *factor.inverse())) return false;
+  if (turns_together()) numbers_.set_turns(lane, own.changes);
+  return true;
 }
 
 template <int D>
@@ -183,7 +182,7 @@ void StepperIn<D>::iterate(const Step& step, const Drive& drive) {
   std::vector<StepIteration> iterations;
   iterations.reserve(lane_.size());
   const int n_lanes = static_cast<int>(lane_.size());
-  const bool changes = lane_.front().changes.any();
+  const bool together = turns_together(), by_lane = !own_laws_.empty();
   int waited_for = 0;
   for (std::size_t k = 0; k < lane_.size(); ++k) {
     iterations.emplace_back(coefficients_, options_, step.h, steps_, lane_[k].contraction);
@@ -191,12 +190,18 @@ void StepperIn<D>::iterate(const Step& step, const Drive& drive) {
     waited_for += lane_[k].runs;
   }
   while (waited_for > 0) {
-    for (int k = 0; k < n_lanes && changes; ++k) {
+    for (int k = 0; k < n_lanes && by_lane; ++k) {
       if (active_(0, k) != 0) find_law_forces(k);
     }
     kernel_.solve(numbers_.arms(), motion_, step, drive);
-    for (int k = 0; k < n_lanes && changes; ++k) {
+    for (int k = 0; k < n_lanes && by_lane; ++k) {
       if (active_(0, k) != 0) follow_changes(k, iterations[static_cast<std::size_t>(k)].again());
+    }
+    if (together) {
+      for (int k = 0; k < kernel_.lanes; ++k) {  // those that are left over go with the first
+        fresh_(0, k) = !iterations[static_cast<std::size_t>(k < n_lanes ? k : 0)].again();
+      }
+      kernel_.turn(numbers_.arms(), motion_, fresh_.data());
     }
     kernel_.correct(numbers_.arms(), motion_, step, active_.data(), sizes_.data());
     for (int k = 0; k < n_lanes; ++k) {

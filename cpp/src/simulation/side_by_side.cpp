@@ -63,21 +63,26 @@ bool same_start(const Placed<D>& one, const Placed<D>& other) {
   return true;
 }
 
-/// Change of accelerations of free scalar coordinates and of multipliers by Φ'', consistent_forces.hpp (2).
+/// Tells a lane what Φ'' and turned joints change in accelerations of free scalar coordinates and in
+/// multipliers, consistent_forces.hpp (2).
 template <int D>
-MatrixXd consistent_change(const Placed<D>& arm) {
+void make_consistent(const Placed<D>& arm, int lane, lanes::StepperIn<D>& stepper) {
   const assembly::SystemIn<D>& system = *arm.system;
   const Eigen::Index m = system.n_constraints(), n_free = system.n_free(), first = system.scalar_offset();
+  const Eigen::Index n_changed = n_free - first + m;
   ConsistentForcesIn<D> forces(system);
-  MatrixXd change(n_free - first + m, m);
+  const auto& changes = forces.changes();
+  MatrixXd change(n_changed + changes.W().cols(), m);
   for (Eigen::Index k = 0; k < m; ++k) {
     VectorXd x = VectorXd::Zero(system.n_unknowns());
     x[n_free + k] = -forces.scale();
     forces.solve(arm.state, x);
-    x.tail(m) *= forces.scale();
-    change.col(k) = x.tail(n_free - first + m);
+    change.col(k) << x.tail(n_changed), changes.along(x);
   }
-  return change;
+  MatrixXd W = changes.W().bottomRows(n_changed);
+  change.middleRows(n_free - first, m) *= forces.scale();
+  W.bottomRows(m) *= forces.scale();
+  stepper.set_consistent(lane, change, changes, W);
 }
 
 /// Runs of up to as many arms as there are lanes.
@@ -95,7 +100,7 @@ class Group {
         block_(static_cast<int>(instants_at_once) * stepper_.recorded_rows(), lanes_),
         runs_(arms_.size()) {
     if (options.has_consistent_forces()) {
-      for (int k = 0; k < size(); ++k) stepper_.set_consistent(k, consistent_change(arms_[at(k)]));
+      for (int k = 0; k < size(); ++k) make_consistent(arms_[at(k)], k, stepper_);
     }
     for (std::size_t k = 0; k < arms_.size(); ++k) {
       // Its constructor makes room for what is recorded.
@@ -239,8 +244,7 @@ class Group {
 template <int D>
 void sort_in(Placed<D> arm, const TransientOptions& options, std::vector<std::vector<Placed<D>>>& groups) {
   arm.state.t = arm.state.start = options.start;
-  if (!lanes::suits(*arm.system, arm.loads, options.has_consistent_forces()) ||
-      (options.record_points && !points_at_nodes(*arm.system)))
+  if (!lanes::suits(*arm.system, arm.loads) || (options.record_points && !points_at_nodes(*arm.system)))
     return;
   const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& others) {
     return lanes::same_structure(*others.front().system, *arm.system) && same_start(others.front(), arm);

@@ -97,22 +97,9 @@ void TangentChangesIn<D>::find_laws(const WeldsIn<D>& welds) {
 }
 
 template <int D>
-typename TangentChangesIn<D>::Turned TangentChangesIn<D>::turned(const TurningJoint& joint,
-                                                                 double theta) const {
+Turned<D> TangentChangesIn<D>::turned_by(const TurningJoint& joint, double theta) const {
   const auto& constraint = system_.constraints()[joint.constraint];
-  if constexpr (D == 2) {
-    return adjoint<2>(exponential<2>(-theta * constraint.twist()));
-  } else {
-    Turned T = Turned::Identity();  // eq. (3)
-    if (constraint.type() == joints::JointType::revolute) {
-      const double c = std::cos(theta), s = std::sin(theta);
-      T << c, s, 0, 0, -s, c, 0, 0, 0, 0, c, s, 0, 0, -s, c;
-    } else {
-      T(0, 3) = theta;
-      T(1, 2) = -theta;
-    }
-    return T;
-  }
+  return turned<D>(constraint.twist(), constraint.type() == joints::JointType::prismatic, theta);
 }
 
 template <int D>
@@ -138,7 +125,7 @@ void TangentChangesIn<D>::keep(const assembly::StateIn<D>& state, const assembly
   kept_laws_ = laws;
   for (TurningJoint& joint : joints_) {
     joint.kept_angle = state.s[system_.constraints()[joint.constraint].coordinate()];
-    joint.kept = turned(joint, joint.kept_angle);
+    joint.kept = turned_by(joint, joint.kept_angle);
   }
   if (W_.cols() == 0) return;
   directions(W_);
@@ -157,7 +144,7 @@ bool TangentChangesIn<D>::turn_joints(const assembly::StateIn<D>& state) {
   for (const TurningJoint& joint : joints_) {
     const double theta = state.s[system_.constraints()[joint.constraint].coordinate()];
     any = any || theta != joint.kept_angle;
-    const Turned E = factors_.constraint * (joint.kept - turned(joint, theta));
+    const Turned<D> E = factors_.constraint * (joint.kept - turned_by(joint, theta));
     C_.template block<across, across>(at + across, at) = E;  // eq. (2)
     C_.template block<across, across>(at, at + across) = E.transpose();
     at += 2 * across;
@@ -211,7 +198,7 @@ void TangentChangesIn<D>::prepare_for() {
     Eigen::Map<ByRows<n_j>> A(LU_.data());
     for (int k = 0; k < joints; ++k) {
       const int on_node = 2 * across * k, on_row = on_node + across;
-      const Turned E = C_.template block<across, across>(on_row, on_node);
+      const Turned<D> E = C_.template block<across, across>(on_row, on_node);
       const auto G_node = G_.template middleRows<across>(on_node),
                  G_row = G_.template middleRows<across>(on_row);
       A.template middleRows<across>(on_node) = E.transpose().lazyProduct(G_row.template leftCols<n_j>());
@@ -236,7 +223,7 @@ void TangentChangesIn<D>::find_joint_forces(const VectorXd& x) {
     for (int k = 0; k < joints; ++k) {
       const TurningJoint& joint = joints_[k];
       const int on_node = 2 * across * k, on_row = on_node + across;
-      const Turned E = C_.template block<across, across>(on_row, on_node);
+      const Turned<D> E = C_.template block<across, across>(on_row, on_node);
       C_x.template segment<across>(on_node) =
           E.transpose() * (joint.P.transpose() * x.segment<n>(joint.first_row));
       C_x.template segment<across>(on_row) = E * (joint.on_parent.transpose() * x.segment<n>(joint.node_row));

@@ -8,6 +8,7 @@
 #include "flexarm/assembly/equations.hpp"
 #include "flexarm/lanes/numbers.hpp"
 #include "flexarm/lanes/rows.hpp"
+#include "flexarm/lanes/turn_numbers.hpp"
 #include "flexarm/solvers/dissected_inverse.hpp"
 #include "flexarm/solvers/welds.hpp"
 
@@ -18,9 +19,8 @@ using assembly::StateIn;
 using assembly::SystemIn;
 
 /// Whether an arm can step beside others of its structure: it has beams, rigid bodies and joints in a tree.
-/// For `consistent` forces no inner hinge may turn.
 template <int D>
-bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent);
+bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads);
 
 /// Whether the force of a law follows from its deflection and rate by three numbers.
 bool has_three_numbers(const assembly::PlacedLaw& law);
@@ -41,8 +41,16 @@ class ArmNumbersIn {
   /// @return false if the inverse is not cut as those of the lanes before.
   bool set_inverse(int lane, const solvers::DissectedInverse& inverse);
 
-  /// Change of accelerations of free scalar coordinates and of multipliers by Φ''.
-  void set_consistent(int lane, const Eigen::MatrixXd& change);
+  const std::vector<int>& unknowns() const { return unknowns_; }  ///< that steps solve for
+
+  using Changes = solvers::TangentChangesIn<D>;
+  /// What turned joints change in the inverse that was set last.
+  void set_turns(int lane, const Changes& changes);
+
+  /// @param change of accelerations of free scalar coordinates, of multipliers and of Uᵀ x by Φ''
+  /// @param W of the first two
+  void set_consistent(int lane, const Eigen::MatrixXd& change, const Changes& changes,
+                      const Eigen::MatrixXd& W);
 
  private:
   void lay_out(const SystemIn<D>& arm);
@@ -60,11 +68,13 @@ class ArmNumbersIn {
   Rows beams_, bodies_, weights_, gravity_, joint_numbers_, law_numbers_, scalar_inertia_, follower_frames_,
       reach_, mass_scale_, point_offsets_, consistent_;
 
-  std::vector<int> cut_order_, order_;  // of the reduced unknowns, and of all
+  std::vector<int> unknowns_;
+  std::vector<int> cut_order_, order_;  // of `unknowns_`, and of all
   std::vector<std::vector<int>> boundaries_;
   std::vector<Rows> inverses_, from_boundaries_;
   std::vector<InversePart> parts_;
   Rows separator_;
+  TurnNumbersIn<D> turns_, consistent_turns_;
   Arms arms_{};
 };
 

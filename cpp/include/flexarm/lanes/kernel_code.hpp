@@ -12,13 +12,21 @@
 #include "flexarm/geometry/pack.hpp"
 #include "flexarm/joints/joint_constraint.hpp"
 #include "flexarm/lanes/numbers.hpp"
+#include "flexarm/lanes/turn_code.hpp"
 
 namespace flexarm::lanes {
 
 template <int D, int N, class Processor>
-class KernelCode {
+class KernelCode : TurnCode<D, N, Processor> {
+  using Turning = TurnCode<D, N, Processor>;
+  using Turning::add, Turning::add_matrix, Turning::at, Turning::multiply, Turning::put, Turning::put_matrix;
+
  public:
-  static constexpr Kernel kernel{N, &KernelCode::predict, &KernelCode::solve, &KernelCode::correct,
+  static constexpr Kernel kernel{N,
+                                 &KernelCode::predict,
+                                 &KernelCode::solve,
+                                 &KernelCode::turn,
+                                 &KernelCode::correct,
                                  &KernelCode::record};
 
  private:
@@ -30,25 +38,6 @@ class KernelCode {
   using Joint = joints::JointFrames<D, Real>;
   static constexpr int n = geometry::freedoms<D>, frame_rows = lanes::frame_rows<D>;
 
-  static Real at(const double* rows, int k) { return Real::at(rows + N * k); }
-  static void put(double* rows, int k, const Real& value) { value.put(rows + N * k); }
-  static void add(double* rows, int k, const Real& value) { put(rows, k, at(rows, k) + value); }
-
-  /// The matrix whose first row of numbers is the k-th.
-  template <class Matrix>
-  static Matrix matrix(const double* rows, int k) {
-    Matrix m;
-    for (int i = 0; i < Matrix::SizeAtCompileTime; ++i) m.data()[i] = at(rows, k + i);
-    return m;
-  }
-  template <class Matrix>
-  static void put_matrix(double* rows, int k, const Matrix& m) {
-    for (int i = 0; i < Matrix::SizeAtCompileTime; ++i) put(rows, k + i, m.data()[i]);
-  }
-  template <class Matrix>
-  static void add_matrix(double* rows, int k, const Matrix& m) {
-    for (int i = 0; i < Matrix::SizeAtCompileTime; ++i) add(rows, k + i, m.data()[i]);
-  }
   static Frame frame(const double* rows, int k) {
     return {matrix<geometry::Rotation<D, Real>>(rows, frame_rows * k),
             matrix<Point>(rows, frame_rows * k + D * D)};
@@ -192,38 +181,6 @@ class KernelCode {
     add_matrix(motion.r, n * node2, Twist(f.template tail<n>()));
   }
 
-  /// y := A x of a matrix by blocks of rows.
-  template <int Rows>
-  [[gnu::always_inline]] static void multiply_block(const double*& numbers, int columns, const double* x,
-                                                    double* y) {
-    Real sum[Rows];
-    for (int i = 0; i < Rows; ++i) sum[i] = 0.0;
-    for (int j = 0; j < columns; ++j, numbers += N * Rows) {
-      const Real x_j = at(x, j);
-      for (int i = 0; i < Rows; ++i) sum[i] += at(numbers, i) * x_j;
-    }
-    for (int i = 0; i < Rows; ++i) put(y, i, sum[i]);
-  }
-  static void multiply(const double* numbers, int rows, int columns, const double* x, double* y) {
-    for (; rows >= block_rows; rows -= block_rows, y += N * block_rows) {
-      multiply_block<block_rows>(numbers, columns, x, y);
-    }
-    switch (rows) {
-      case 5:
-        return multiply_block<5>(numbers, columns, x, y);
-      case 4:
-        return multiply_block<4>(numbers, columns, x, y);
-      case 3:
-        return multiply_block<3>(numbers, columns, x, y);
-      case 2:
-        return multiply_block<2>(numbers, columns, x, y);
-      case 1:
-        return multiply_block<1>(numbers, columns, x, y);
-      default:
-        return;
-    }
-  }
-
   [[gnu::flatten]] static void solve(const Arms& arms, Motion& motion, const Step& step, const Drive& drive) {
     find_residual(arms, motion, drive);
     const int n_free = n * arms.n_nodes + arms.n_free_scalars;
@@ -268,6 +225,17 @@ class KernelCode {
     const int inner = arms.n_reduced - arms.n_separated;
     for (int k = 0; k < inner; ++k) put(motion.dx, arms.order[k], at(products, k));
     for (int k = 0; k < arms.n_separated; ++k) put(motion.dx, arms.order[inner + k], at(x_s, k));
+  }
+
+  [[gnu::flatten]] static void turn(const Arms& arms, Motion& motion, const double* fresh) {
+    const Turns& turns = arms.turns;
+    const Real chosen = Real::at(fresh);
+    if (!chosen.all_below(0.5)) Turning::prepare(turns, motion.s, chosen);
+    double *along = motion.work, *f = along + N * turns.n_columns, *change = f + N * turns.n_columns;
+    Turning::find_along(turns, motion.dx, along);
+    Turning::find_forces(turns, along, f);
+    multiply(turns.W, turns.n_rows, turns.n_columns, f, change);
+    for (int k = 0; k < turns.n_rows; ++k) add(motion.dx, arms.order[k], -at(change, k));
   }
 
   [[gnu::flatten]] static void correct(const Arms& arms, Motion& motion, const Step& step,
@@ -322,8 +290,18 @@ class KernelCode {
                                              moves ? at(motion.s, place.coordinate) : Real(0.0),
                                              rates(motion.v, place), rates(motion.v_dot, place)));
     }
+    const Turns& turns = arms.consistent_turns;
+    const int n_changed = arms.n_free_scalars + m;
     double *change = motion.work, *found = motion.acceleration + N * m;
-    multiply(arms.consistent, arms.n_free_scalars + m, m, motion.acceleration, change);
+    multiply(arms.consistent, n_changed + turns.n_columns, m, motion.acceleration, change);
+    if (turns.n_joints > 0) {
+      double *along = change + N * n_changed, *f = along + N * turns.n_columns;
+      double* by_turns = f + N * turns.n_columns;
+      Turning::prepare(turns, motion.s, 1.0);
+      Turning::find_forces(turns, along, f);
+      multiply(turns.W, n_changed, turns.n_columns, f, by_turns);
+      for (int k = 0; k < n_changed; ++k) add(change, k, -at(by_turns, k));
+    }
     for (int k = 0; k < arms.n_scalars; ++k) {
       const Real v_dot = at(motion.v_dot, offset + k);
       put(found, k, k < arms.n_free_scalars ? v_dot + at(change, k) : v_dot);

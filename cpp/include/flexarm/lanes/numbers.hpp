@@ -46,6 +46,26 @@ struct JointOutput {
   int theta, phi, constraint;
 };
 
+/// A joint between two links that move, which turns their axes: the places of its coordinate and, among the
+/// unknowns, of the parent's node and of its multipliers.
+struct TurningJoint {
+  int coordinate, node, multipliers;
+  bool slides;
+};
+
+/// What turned joints change in a kept matrix (solvers/tangent_changes.hpp), with blocks of `across` rows.
+struct Turns {
+  int n_joints, n_columns, n_rows;  ///< of U, and of W
+  const TurningJoint* joints;
+  const double* scale;    ///< s
+  const double* numbers;  ///< T(θ₀) (across²), ξ (n), Ad_aᵀ P, P (n across each) of each joint
+  const double* G;        ///< (n_columns, n_columns)
+  const double* W;        ///< (n_rows, n_columns), by blocks of rows
+  double* E;              ///< (across²) of each joint
+  double* factors;        ///< of I + C G, by rows, then which rows were pivots, and the pivots' inverses
+  double* other_factors;  ///< room for as many
+};
+
 /// Everything that does not change from step to step.
 struct Arms {
   int n_nodes, n_scalars, n_free_scalars, n_constraints;
@@ -76,9 +96,12 @@ struct Arms {
   const double* point_offsets;  ///< (D) of each
   int n_outputs;
   const JointOutput* outputs;
-  /// Change of accelerations of free scalar coordinates and of multipliers by Φ'': (n_free_scalars +
-  /// n_constraints, n_constraints); null: forces are those of the stepping.
+  Turns turns;  ///< of the kept inverse
+  /// Change of accelerations of free scalar coordinates, of multipliers and of Uᵀ x by Φ'': (n_free_scalars +
+  /// n_constraints + n_columns, n_constraints); null: forces are those of the stepping. W has rows of the
+  /// first two.
   const double* consistent;
+  Turns consistent_turns;
 };
 
 /// What moves.
@@ -91,7 +114,7 @@ struct Motion {
   double* r;             ///< of all velocities
   double* dx;            ///< of all unknowns: residuals, then increments
   double* law_forces;    ///< of each law; read where it is not linear
-  double* work;          ///< twice as many rows as there are unknowns
+  double* work;          ///< four times as many rows as there are unknowns, and more
   double* acceleration;  ///< Φ'', then what `consistent` makes of it
 };
 
@@ -112,6 +135,9 @@ struct Kernel {
   void (*predict)(const Arms&, Motion&, const Step&, const Drive&);
   /// Residuals of state 1, and the increments that the kept inverse makes of them.
   void (*solve)(const Arms&, Motion&, const Step&, const Drive&);
+  /// What turned joints make of the increments. @param fresh not 0 in lanes whose joints have turned since
+  /// the last call, or that have another inverse
+  void (*turn)(const Arms&, Motion&, const double* fresh);
   /// Corrects state 1 in lanes whose entry of `active` is not 0. @param sizes of the increments in all lanes;
   /// not a number where one is not finite
   void (*correct)(const Arms&, Motion&, const Step&, const double* active, double* sizes);

@@ -7,6 +7,8 @@
 #include <memory>
 #include <new>
 
+#include "flexarm/lanes/numbers.hpp"
+
 namespace flexarm::lanes {
 
 class Rows {
@@ -32,6 +34,17 @@ class Rows {
   int put(int row, int lane, const Matrix& m) {
     for (int j = 0; j < m.cols(); ++j) {
       for (int i = 0; i < m.rows(); ++i) (*this)(row++, lane) = m(i, j);
+    }
+    return row;
+  }
+  /// The same by blocks of rows (lanes/numbers.hpp), of rows `first` to `first + count` and some columns.
+  template <class Matrix>
+  int put_blocks(int row, int lane, const Matrix& m, int first, int count, int columns) {
+    for (int at = first; at < first + count; at += block_rows) {
+      const int behind = std::min(at + block_rows, first + count);
+      for (int j = 0; j < columns; ++j) {
+        for (int i = at; i < behind; ++i) (*this)(row++, lane) = m(i, j);
+      }
     }
     return row;
   }

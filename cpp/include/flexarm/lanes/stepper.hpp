@@ -3,7 +3,7 @@
 ///
 /// Each lane makes the steps of solvers/hht.hpp: it stops iterating by its own increments and waits for the
 /// others, and no number of it depends on theirs, so that an arm moves the same way in any company. Laws that
-/// are not linear, and inner hinges, are followed lane by lane (solvers/tangent_changes.hpp). Where an
+/// are not linear are followed lane by lane (solvers/tangent_changes.hpp), with them inner hinges. Where an
 /// iteration fails, the arm leaves its lane: it is to run alone.
 #pragma once
 
@@ -39,7 +39,10 @@ class StepperIn {
   StateIn<D> final_state(int lane) const;
 
   /// Change of accelerations and multipliers by Φ'' that record() is to add, see ArmNumbersIn.
-  void set_consistent(int lane, const Eigen::MatrixXd& change) { numbers_.set_consistent(lane, change); }
+  void set_consistent(int lane, const Eigen::MatrixXd& change, const solvers::TangentChangesIn<D>& changes,
+                      const Eigen::MatrixXd& W) {
+    numbers_.set_consistent(lane, change, changes, W);
+  }
   int recorded_rows() const { return 2 * D * numbers_.arms().n_points + 6 * numbers_.arms().n_outputs; }
   /// See Kernel::record.
   void record(double* rows) { kernel_.record(numbers_.arms(), motion_, rows); }
@@ -58,6 +61,7 @@ class StepperIn {
 
   void put(int lane, const StateIn<D>& state);
   void find_law_forces(int lane);
+  bool turns_together() const { return own_laws_.empty() && lane_.front().changes.any(); }
   void follow_changes(int lane, bool again);
   bool factor(int lane, double h);
   void iterate(const Step& step, const Drive& drive);
@@ -71,9 +75,8 @@ class StepperIn {
   long steps_ = 0;
   solvers::DriveValues drive_;
   Rows frames_, frames_before_, s_, s_before_, v_, v_dot_, a_, multipliers_, exponent_, r_, dx_, work_,
-      acceleration_, law_forces_, active_, sizes_;
+      acceleration_, law_forces_, active_, fresh_, sizes_;
   Eigen::VectorXd x_;          // scratch
-  std::vector<int> reduced_;   // the unknown of each of the reduced ones
   std::vector<int> own_laws_;  // whose forces are found lane by lane
   Motion motion_;
 };

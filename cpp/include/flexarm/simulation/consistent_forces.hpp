@@ -55,6 +55,7 @@ class ConsistentForcesIn {
   /// (w − v̇, (λ̃ − λ)/s) of the last call.
   const VectorXd& change() const { return change_; }
   double scale() const { return scale_; }  ///< s of multipliers and constraints
+  const solvers::TangentChangesIn<D>& changes() const { return changes_; }  ///< of A₀
   /// x := the solution of (2) in `state`, of which the last call of of() was made, for the right side x.
   void solve(const assembly::StateIn<D>& state, VectorXd& x);
 

@@ -33,49 +33,65 @@ template <int N, class Column>
 }
 
 /// What belongs to L U in the place of A. @param most rows there may be
+///
+/// Numbers side by side, each with its own pivots, have them in lanes/lane_pivots.hpp.
 template <int most>
 struct Pivots {
   Eigen::Matrix<int, Eigen::Dynamic, 1, 0, most, 1> row;         ///< that came in the place of row k, k ≤ row
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1> inverse;  ///< 1/u_kk
+
+  void resize(int n) {
+    row.resize(n);
+    inverse.resize(n);
+  }
 };
 
-/// Equation (1), in place. A singular matrix leaves what is not a finite number.
+/// Row k of B changes places with the one that has its pivot.
+template <class Matrix, int most>
+[[gnu::always_inline]] inline void exchange_rows(Matrix& B, const Pivots<most>& pivots, int k) {
+  if (pivots.row[k] != k) B.row(k).swap(B.row(pivots.row[k]));
+}
+
+/// Brings the pivot of column k into its place.
 template <class Square, int most>
-void factor_in_place(Square& A, Pivots<most>& pivots) {
+[[gnu::always_inline]] inline void bring_pivot(Square& A, Pivots<most>& pivots, int k, int n) {
+  int pivot = k;
+  double largest = std::abs(A(k, k));
+  for (int i = k + 1; i < n; ++i) {
+    const double size = std::abs(A(i, k));
+    if (size > largest) {
+      largest = size;
+      pivot = i;
+    }
+  }
+  pivots.row[k] = pivot;
+  exchange_rows(A, pivots, k);
+}
+
+/// Equation (1), in place. A singular matrix leaves what is not a finite number.
+template <class Square, class PivotsOf>
+void factor_in_place(Square& A, PivotsOf& pivots) {
   constexpr int N = Square::RowsAtCompileTime;
   const int n = N >= 0 ? N : static_cast<int>(A.rows());
-  pivots.row.resize(n);
-  pivots.inverse.resize(n);
+  pivots.resize(n);
   for_each_column<N>(n, [&](int k) __attribute__((always_inline)) {
-    int pivot = k;
-    double largest = std::abs(A(k, k));
+    bring_pivot(A, pivots, k, n);
+    const auto inverse = pivots.inverse[k] = 1 / A(k, k);
     for (int i = k + 1; i < n; ++i) {
-      const double size = std::abs(A(i, k));
-      if (size > largest) {
-        largest = size;
-        pivot = i;
-      }
-    }
-    pivots.row[k] = pivot;
-    if (pivot != k) A.row(k).swap(A.row(pivot));
-    const double inverse = pivots.inverse[k] = 1 / A(k, k);
-    for (int i = k + 1; i < n; ++i) {
-      const double factor = A(i, k) *= inverse;
+      const auto factor = A(i, k) *= inverse;
       for (int j = k + 1; j < n; ++j) A(i, j) -= factor * A(k, j);
     }
   });
 }
 
 /// Equations (2) and (3); X replaces B.
-template <class Square, int most, class RightSides>
-void substitute(const Square& LU, const Pivots<most>& pivots, RightSides& B) {
+template <class Square, class PivotsOf, class RightSides>
+void substitute(const Square& LU, const PivotsOf& pivots, RightSides& B) {
   constexpr int N = Square::RowsAtCompileTime;
   const int n = N >= 0 ? N : static_cast<int>(LU.rows());
   const int columns =
       RightSides::ColsAtCompileTime >= 0 ? RightSides::ColsAtCompileTime : static_cast<int>(B.cols());
-  for (int k = 0; k < n; ++k) {
-    if (pivots.row[k] != k) B.row(k).swap(B.row(pivots.row[k]));
-  }
+  for (int k = 0; k < n; ++k) exchange_rows(B, pivots, k);
   for_each_column<N>(n, [&](int k) __attribute__((always_inline)) {
     for (int i = k + 1; i < n; ++i) {
       for (int j = 0; j < columns; ++j) B(i, j) -= LU(i, k) * B(k, j);

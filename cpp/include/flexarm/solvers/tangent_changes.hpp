@@ -43,6 +43,7 @@
 #include "flexarm/solvers/law_equations.hpp"
 #include "flexarm/solvers/packed_matrix.hpp"
 #include "flexarm/solvers/sparse_factor.hpp"
+#include "flexarm/solvers/turned.hpp"
 #include "flexarm/solvers/welds.hpp"
 
 namespace flexarm::solvers {
@@ -66,21 +67,28 @@ class TangentChangesIn {
   /// @param again whether joints have hardly turned since the correction before, with factors as they were
   void correct(const assembly::StateIn<D>& state, Eigen::VectorXd& x, bool again = false);
 
- private:
-  static constexpr int n = geometry::freedoms<D>;
-  static constexpr int across = D == 2 ? 3 : 4;  // columns of P; all of the plane
-  // More turning joints than this make (1) dearer than the iterations it saves.
-  static constexpr int most_turning_joints = 3;
-  static constexpr int most_in_joints = 2 * across * most_turning_joints;
+  static constexpr int n = geometry::freedoms<D>, across = across_joint<D>;
   using Across = Eigen::Matrix<double, n, across>;
-  using Turned = Eigen::Matrix<double, across, across>;
 
   struct TurningJoint {
     int constraint, first_row, node_row;  // of the multipliers, of the parent's node or its carrier
     Across P, on_parent;                  // P, Ad_aᵀ P
     double kept_angle = 0;
-    Turned kept = Turned::Zero();  // T(θ₀)
+    Turned<D> kept = Turned<D>::Zero();  // T(θ₀)
   };
+
+  /// What lanes/turn_numbers.hpp needs for (5).
+  const assembly::SystemIn<D>& system() const { return system_; }
+  const std::vector<TurningJoint>& joints() const { return joints_; }
+  const Eigen::MatrixXd& W() const { return W_; }
+  const Eigen::MatrixXd& G() const { return G_; }
+  double scale() const { return factors_.constraint; }    ///< s of (2)
+  Eigen::VectorXd along(const Eigen::VectorXd& x) const;  ///< Uᵀ x
+
+ private:
+  // More turning joints than this make (1) dearer than the iterations it saves.
+  static constexpr int most_turning_joints = 3;
+  static constexpr int most_in_joints = 2 * across * most_turning_joints;
 
   /// Rows of u in (4); none where a coordinate is prescribed.
   struct LawRows {
@@ -89,11 +97,10 @@ class TangentChangesIn {
 
   void find_turning_joints(const WeldsIn<D>& welds);
   void find_laws(const WeldsIn<D>& welds);
-  Turned turned(const TurningJoint& joint, double theta) const;  // T
+  Turned<D> turned_by(const TurningJoint& joint, double theta) const;  // T
   bool turn_joints(const assembly::StateIn<D>& state);
   void find_laws_here(const assembly::StateIn<D>& state);
   void directions(Eigen::MatrixXd& U) const;
-  Eigen::VectorXd along(const Eigen::VectorXd& x) const;  // Uᵀ x
   double along_law(int k, const Eigen::VectorXd& x) const;
 
   /// What depends on the turns of the joints alone, and the forces, for numbers of joints and laws.
