@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexarm.comparison.bands import alias, band_edges, band_split
+from flexarm.comparison.bands import alias, band_edges, band_parts, band_split
 
 
 def stamps(kind, count=360, rate=10.0, seed=0):
@@ -72,3 +72,14 @@ def test_aliases_fold_at_half_the_rate():
     assert alias(2.5, 2.3) == pytest.approx(0.2)
     assert alias(2.5, 10.0) == pytest.approx(2.5)
     assert alias(9.0, 10.0) == pytest.approx(1.0)
+
+
+def test_stamps_that_a_file_rounds_are_equally_spaced():
+    """A clock of 1 kHz in a file with microseconds: the split is that of the true stamps."""
+    time = np.linspace(0.0, 5.0, 5000)  # 1.0002 ms apart
+    values = np.column_stack([np.sin(2 * np.pi * 3 * time), np.cos(2 * np.pi * 90 * time)])
+    edges = [0.0, 10.0, 100.0, 499.9]
+    true, rounded = (band_split(t, values, edges) for t in (time, np.round(time, 6)))
+    assert [band.rms for band in rounded] == [band.rms for band in true]
+    whole, parts = (band_parts(t, values, edges)[0] for t in (time, np.round(time, 6)))
+    assert np.array_equal(whole, parts)

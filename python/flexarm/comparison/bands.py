@@ -23,7 +23,7 @@ from flexarm.arrays import Floats
 BLOCK = 128
 """Most samples of a block whose samples are not equally spaced."""
 EVEN = 1e-3
-"""Greatest deviation from equal spacing, as a share of it."""
+"""Greatest distance of stamps from an even grid, as a share of its step."""
 
 
 @dataclass(frozen=True)
@@ -71,12 +71,11 @@ def band_parts(time: Floats, values: Floats, edges: Sequence[float]) -> tuple[Fl
 
     The number of cosines (1) of each band adds up to n: white noise has this share of its squares there.
     """
-    steps = np.diff(time)
-    if len(steps) and np.ptp(steps) < EVEN * steps.min():
+    if _evenly_spaced(time):
         from scipy.fft import dct, idct
 
         spectrum = dct(values, norm="ortho", axis=0)
-        ends = _ends(edges, len(time) * float(steps.mean()), len(time))
+        ends = _ends(edges, _length(time), len(time))
         masks = [(np.arange(len(time)) >= i) & (np.arange(len(time)) < j) for i, j in ends]
         parts = [idct(spectrum * mask[:, None], norm="ortho", axis=0) for mask in masks]
         return np.stack(parts), np.array([mask.sum() for mask in masks], dtype=float)
@@ -99,6 +98,19 @@ def _block_parts(time: Floats, values: Floats, edges: Sequence[float]) -> tuple[
     return np.stack([*parts, values - sum(parts)]), np.array([j - i for i, j in ends], dtype=float)
 
 
+def _evenly_spaced(time: Floats) -> bool:
+    """Return True if stamps lie on a grid to within `EVEN` of its step, such as those rounded in a file."""
+    if len(time) < 2 or time[-1] == time[0]:
+        return False
+    grid = np.linspace(time[0], time[-1], len(time))
+    return bool(np.max(np.abs(time - grid)) < EVEN * (grid[1] - grid[0]))
+
+
+def _length(time: Floats) -> float:
+    """Return the duration [s] of even samples, each of which stands for a step."""
+    return float(time[-1] - time[0]) * len(time) / (len(time) - 1)
+
+
 def _ends(edges: Sequence[float], length: float, count: int) -> list[tuple[int, int]]:
     """Return the range of numbers k of the cosines of each band: k/(2 T) < edge."""
     inner = [min(int(np.ceil(2 * length * edge)), count) for edge in edges[1:-1]]
@@ -107,12 +119,11 @@ def _ends(edges: Sequence[float], length: float, count: int) -> list[tuple[int, 
 
 def _energies(time: Floats, values: Floats, edges: Sequence[float]) -> Floats:
     """Return the sum of squares in each band."""
-    steps = np.diff(time)
-    if len(steps) and np.ptp(steps) < EVEN * steps.min():
+    if _evenly_spaced(time):
         from scipy.fft import dct
 
         powers = np.sum(dct(values, norm="ortho", axis=0) ** 2, axis=1)
-        return _summed(powers, float(np.sum(values**2)), edges, len(time) * float(steps.mean()))
+        return _summed(powers, float(np.sum(values**2)), edges, _length(time))
     blocks = max(1, -(-len(time) // BLOCK))
     parts = zip(np.array_split(time, blocks), np.array_split(values, blocks), strict=True)
     found: Floats = np.sum([_block_energy(t, v, edges) for t, v in parts], axis=0)
