@@ -114,6 +114,8 @@ def __getattr__(name: str) -> Any:
 
     if name == "__version__":
         return import_module("flexarm.configuration").version()
+    if name == "effects":
+        return import_module("flexarm.effects")
     if name in _EXPORTS:
         value = getattr(import_module(_EXPORTS[name]), name)
         globals()[name] = value
@@ -122,4 +124,6 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_EXPORTS, "__version__"})
+    return sorted(
+        {*_EXPORTS, "effects", "__version__", *(name for name in globals() if name.startswith("__"))}
+    )

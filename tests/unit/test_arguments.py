@@ -1,6 +1,8 @@
 """Arguments of a wrong type or shape are refused by name before any work is done."""
 
 import inspect
+import subprocess
+import sys
 import tomllib
 from collections.abc import Callable
 from typing import Any
@@ -154,5 +156,14 @@ def test_the_signature_of_an_effect_tells_types_and_defaults() -> None:
     assert str(inspect.signature(JointCompliance)) == told
 
 
-def test_public_names_are_listed_once() -> None:
+def test_completion_lists_public_names_once_and_nothing_else() -> None:
+    assert [name for name in dir(flexarm) if not name.startswith("_")] == sorted(
+        [*flexarm.__all__, "effects"]
+    )
     assert len(dir(flexarm)) == len(set(dir(flexarm)))
+
+
+def test_effects_are_there_without_an_import_of_their_own() -> None:
+    code = "import flexarm; print(flexarm.effects.Backlash.__name__)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "Backlash\n"
