@@ -163,7 +163,7 @@ void bind_steps(py::module_& m) {
              const std::vector<flexarm::assembly::PointLoad>& points) {
             checks::fits(stepping.system(), from.state);
             if (from.memory.factored) checks::fits(stepping.system(), from.memory.factored->state);
-            checks::fits(stepping.system(), flexarm::assembly::Loads{.points = points});
+            checks::fits(stepping.system(), flexarm::assembly::Loads{.points = points, .torques = {}});
             return stepping.advance(from, joint_inputs(inputs), points);
           },
           "The next moment; rows of inputs: value, rate, acceleration.", py::arg("moment"), py::arg("inputs"),

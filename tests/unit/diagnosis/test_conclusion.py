@@ -24,13 +24,15 @@ GAP = 26.0
 )
 def test_what_moves_is_absurd_or_at_its_end_does_not_explain(monkeypatch, constant, left, far, ends, verdict):
     null, fit = (SimpleNamespace(projected=rest, members=(), non_smooth=False) for rest in (GAP, left))
-    choice = SimpleNamespace(best=fit, null=null, value={})
+    estimator = SimpleNamespace(with_effects=lambda members: None)
+    choice = SimpleNamespace(best=fit, null=null, value={}, estimator=estimator)
     monkeypatch.setattr(
         "flexarm.diagnosis.acceptance.above_noise", lambda rest, problem, non_smooth: {"tip": rest}
     )
     monkeypatch.setattr("flexarm.diagnosis.acceptance.without_constants", lambda rest, problem: rest)
     for name, said in {
-        "_sizes": None,
+        "estimates": None,
+        "input_noise_errors": None,
         "constancy": [{"constant": constant}],
         "bound_sentence": ends,
         "has_implausible_size": far,
