@@ -250,9 +250,9 @@ def _claimed(target: Path) -> Iterator[Path]:
     claim = _Claim(target)
     try:
         try:
-            with uninterrupted(), _blamed(target):
-                claim.take()
-            with undone_on_exit(claim.release):
+            with undone_on_exit(claim.release):  # before a signal that came meanwhile is passed on
+                with uninterrupted(), _blamed(target):
+                    claim.take()
                 yield claim.partial
         finally:
             with uninterrupted():

@@ -263,3 +263,21 @@ def test_runs_killed_or_interrupted_at_random_leave_all_or_nothing(place: Path) 
         names = {path.name for path in (place / "out").glob("*")}
         assert names in (set(), {"drive.csv", "record.toml", "simulation.nc", "tracker.csv"})
         shutil.rmtree(place / "out", ignore_errors=True)
+
+
+TERMINATED_IN_CLAIM = """
+import os, signal
+from flexarm import output, termination
+take = output._Claim.take
+output._Claim.take = lambda claim: (take(claim), os.kill(os.getpid(), signal.SIGTERM))
+termination.exit_on_signals()
+with output.output_directory("out"):
+    raise AssertionError("a terminated run went on")
+"""
+
+
+def test_a_signal_while_a_place_is_claimed_leaves_nothing(tmp_path: Path) -> None:
+    """It is held back until the place is claimed, and ends the process at once thereafter."""
+    ended = subprocess.run([sys.executable, "-c", TERMINATED_IN_CLAIM], cwd=tmp_path, capture_output=True)
+    assert ended.returncode == 143, ended.stderr
+    assert not list(tmp_path.iterdir())
