@@ -96,3 +96,25 @@ def test_results_tell_the_unit_of_each_joint(lift):
         == "N, N m"
     )
     assert run.plot().get_ylabel() == "joint angle [m, rad]"
+
+
+def test_a_record_without_units_takes_those_of_the_model_it_meets(lift, tmp_path):
+    """The numbers stay; a unit that is stated and does not fit stays too, and is told."""
+    rows = np.arange(30)
+    columns = np.column_stack([0.01 * rows, 0.001 * rows, 0.002 * rows])
+    np.savetxt(tmp_path / "log.csv", columns, delimiter=",", header="time_s,way,turn", comments="")
+    signal = (
+        '[[signals]]\nname = "{0}"\nquantity = "joint_angle"\njoint = "{0}"\nside = "output"\n'
+        'file = "log.csv"\ntime = "time_s"\nchannels = ["{1}"]\n'
+    )
+    text = 'format = "flexarm-record/1"\n' + signal.format("lift", "way") + signal.format("slew", "turn")
+    (tmp_path / "record.toml").write_text(text)
+    record = flexarm.Record.load(tmp_path)
+    assert record.check_against(lift) == []
+    known = record.with_units_of(lift)
+    assert (known.signals["lift"].unit, known.signals["slew"].unit) == ("m", "rad")
+    assert known.signals["lift"].values == pytest.approx(record.signals["lift"].values)
+    (tmp_path / "record.toml").write_text(text.replace('["way"]', '["way"]\nunit = "rad"'))
+    [problem] = flexarm.Record.load(tmp_path).with_units_of(lift).check_against(lift)
+    assert str(problem) == "signals.lift.unit: is rad, but joint 'lift' is prismatic and needs a unit like m"
+    assert flexarm.compare(lift, record.replace(drive=("slew",))).signals["lift"].unit == "m"

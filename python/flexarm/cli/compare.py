@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Json, Model, Step, blame, load_arm, refuse_step, show, warn
+from flexarm.cli.options import AllowOutside, Json, Model, Step, blame, load_arm, refuse_step, show
+from flexarm.cli.records import load_record
 
 
 def compare(
@@ -33,10 +34,7 @@ def compare(
     """
     refuse_step(step)
     arm = load_arm(model)
-    from flexarm.record import Record
-
-    measured = Record.load(record)
-    warn(record, [*measured.check(arm), *measured.check_against(arm)])
+    measured = load_record(record, arm)
     if measured.kind == "frequency_response":
         from flexarm.comparison import compare_responses
 

@@ -10,6 +10,7 @@ import typer
 import flexarm
 from flexarm.cli.options import AllowOutside, Force, Jobs, Json, Model, blame, load_arm, print_json, warn
 from flexarm.cli.progress import progress
+from flexarm.cli.records import load_record
 from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
@@ -101,10 +102,7 @@ def _names(paths: list[Path]) -> dict[str, Path]:
 def _motion(path: Path, arm: Arm) -> Motion | Record:
     """Return the motion of the joints."""
     if path.is_dir() or path.name == "record.toml":
-        from flexarm.record import Record
-
-        record = Record.load(path)
-        warn(path, [*record.check(arm), *record.check_against(arm)])
+        record = load_record(path, arm)
         if record.kind != "motion":
             what = f'is "{record.kind}"; planned are motions, so give a record of kind "motion" or a CSV file'
             raise InvalidFile(path, "kind", what)

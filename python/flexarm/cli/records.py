@@ -41,7 +41,7 @@ def load_record(path: Path, arm: Arm) -> Record:
     """Return a record; what looks wrong in it goes to standard error."""
     from flexarm.record import Record
 
-    record = Record.load(path)
+    record = Record.load(path).with_units_of(arm)
     warn(path, [*record.check(arm), *record.check_against(arm)])
     return record
 

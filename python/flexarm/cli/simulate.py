@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flexarm.cli.options import AllowOutside, Force, Model, Out, Step, blame, load_arm, refuse_step, warn
+from flexarm.cli.records import load_record
 from flexarm.errors import InvalidFile
 
 if TYPE_CHECKING:
@@ -79,11 +80,7 @@ def _record(drive: Path, arm: Arm) -> Record | None:
     """Return the record that drives, or None for a CSV file."""
     if not drive.is_dir() and drive.name != "record.toml":
         return None
-    from flexarm.record import Record
-
-    record = Record.load(drive)
-    warn(drive, [*record.check(arm), *record.check_against(arm)])
-    return record
+    return load_record(drive, arm)
 
 
 def _motion(drive: Path, arm: Arm, record: Record | None) -> Motion:

@@ -75,6 +75,7 @@ def simulate_record(
     if record.kind == "frequency_response":
         what = "is a frequency response, which no simulation repeats; flexarm.compare_responses takes it"
         raise InvalidParameter(what, where="kind")
+    record = record.with_units_of(arm)
     pair = _simulated(record.applied_to(arm), record, simulation, step, alpha)
     if not pair.evidence:
         reasons = "; ".join(f"{name}: {why}" for name, why in pair.skipped.items())

@@ -99,6 +99,17 @@ def unplaced_effects(record: Record, arm: Arm) -> list[Problem]:
     ]
 
 
+def with_units_of(record: Record, arm: Arm) -> Record:
+    """Return the record with metres and newtons at joints that slide, where it states no unit."""
+    sliding = {joint.name for joint in arm.joints if joint.type == "prismatic"}
+    known = {
+        name: signal.replace(unit=signal.spec.units[-1], unit_assumed=False)
+        for name, signal in record.signals.items()
+        if signal.unit_assumed and signal.joint in sliding and not signal.input
+    }
+    return record.replace(signals={**record.signals, **known}) if known else record
+
+
 def with_overrides(record: Record, arm: Arm) -> Arm:
     """Return the arm with the payloads, lengths, controllers and tilt of the base of a run."""
     arm = with_link_lengths(_set(arm, record), record.links)
@@ -202,7 +213,7 @@ def _angles(record: Record, arm: Arm) -> Iterable[Problem]:
         if signal.joint is None or signal.quantity not in ("joint_angle", "joint_rate", "joint_command"):
             continue
         prismatic = arm.joint(signal.joint).type == "prismatic"
-        if prismatic != signal.unit.startswith("m"):
+        if prismatic != signal.unit.startswith("m") and not signal.unit_assumed:
             wanted = "m" if prismatic else "rad"
             yield Problem(
                 f"signals.{signal.name}.unit",

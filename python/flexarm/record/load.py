@@ -76,6 +76,7 @@ class _Reader:
             quantity=table.quantity,
             values=values,
             unit=unit,
+            unit_assumed=table.unit is None,
             time=self._time(table) if stamp == "time" else np.array([]),
             pose=self._pose(table) if stamp == "pose" else None,
             frequency=self._frequency(table) if stamp == "frequency" else None,

@@ -278,6 +278,24 @@ class Record:
         return validate(self, arm)
 
     @takes(arm=ARM)
+    def with_units_of(self, arm: Arm) -> Record:
+        """Return the record with the units of a model's joints, where it states none.
+
+        Parameters
+        ----------
+        arm : Arm
+            The model; its joints that slide have metres and newtons.
+
+        Returns
+        -------
+        Record
+            With the same numbers.
+        """
+        from flexarm.record.compatibility import with_units_of
+
+        return with_units_of(self, arm)
+
+    @takes(arm=ARM)
     def applied_to(self, arm: Arm) -> Arm:
         """Return the arm with the payloads, link lengths, controllers and tilt of the base of this run.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -55,7 +55,9 @@ class Signal:
     values : ndarray, shape (n, channels)
         Values in `unit`; NaN is a drop-out. One-dimensional input becomes one channel.
     unit : str
-        SI unit of the values.
+        SI unit of the values; left out: the first one of the quantity.
+    unit_assumed : bool
+        True if no unit was stated: a model's joint that slides then makes it metres; not compared.
     noise_std : float or None
         1 sigma per channel, in `unit`; None: not stated.
     zero_std : float or None
@@ -94,6 +96,7 @@ class Signal:
     values: Floats
     time: Floats = None  # type: ignore[assignment]
     unit: str = ""
+    unit_assumed: bool = field(default=False, compare=False)
     noise_std: float | None = None
     zero_std: float | None = None
     jitter_std: float = 0.0
@@ -135,6 +138,7 @@ class Signal:
                 array = np.array(getattr(self, name), dtype=float)
                 array.setflags(write=False)
                 object.__setattr__(self, name, array)
+        object.__setattr__(self, "unit_assumed", self.unit_assumed or not self.unit)
         object.__setattr__(self, "unit", self.unit or self.spec.units[0])
         if self.spec.channels is None and not self.axes:
             object.__setattr__(self, "axes", ("x", "y", "z"))
@@ -252,7 +256,7 @@ class Signal:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Signal):
             return NotImplemented
-        return all(_same(getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
+        return all(_same(getattr(self, f.name), getattr(other, f.name)) for f in fields(self) if f.compare)
 
     __hash__ = None  # type: ignore[assignment]
 

@@ -226,7 +226,7 @@ def _prepare(
     record.check_against(arm)
     for problem in (*disjoint_clocks(record), *endless(record, step)):
         raise InvalidParameter(problem.what, where=f"records.{name}.{problem.where}")
-    record, notes = drop_missing_channels(name, record)
+    record, notes = drop_missing_channels(name, record.with_units_of(arm))
     record, removed = clean_drives(name, record)
     return record, removed, notes
 
