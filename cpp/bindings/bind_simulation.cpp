@@ -100,6 +100,13 @@ DifferentiatedRun run_differentiated(const System& system, const Equilibrium& eq
                   initial, poll);
 }
 
+/// What a run says of one of its points.
+template <auto read>
+auto of_point(const SampledRun& run, int point) {
+  checks::index("point", point, run.system().points().size());
+  return (run.*read)(point);
+}
+
 void bind_statics(py::module_& m) {
   py::class_<Equilibrium>(m, "Equilibrium", "An equilibrium at rest.")
       .def_readonly("state", &Equilibrium::state)
@@ -258,7 +265,8 @@ void bind_transient(py::module_& m) {
         "Runs of (system, equilibrium) along the same drives; None for each that is to run alone.",
         py::arg("arms"), py::arg("drives"), py::arg("options"), py::arg("progress") = py::none());
   py::class_<StateDerivative>(m, "StateDerivative", "Derivative of a state, one column a parameter.")
-      .def_readonly("position", &StateDerivative::position);
+      .def_readonly("position", &StateDerivative::position)
+      .def_readwrite("velocity", &StateDerivative::velocity);
   py::class_<Varied>(m, "Varied", "Models with a parameter a little up and a little down.")
       .def(py::init<std::shared_ptr<System>, std::shared_ptr<System>, double, double,
                     std::vector<PiecewisePolynomial>, std::vector<PiecewisePolynomial>>(),
@@ -348,20 +356,8 @@ void bind_transient(py::module_& m) {
       .def_property_readonly("drive_rates", &SampledRun::drive_rates)
       .def_property_readonly("joint_angles", &SampledRun::joint_angles)
       .def_property_readonly("joint_rates", &SampledRun::joint_rates)
-      .def(
-          "point_position",
-          [](const SampledRun& run, int point) {
-            checks::index("point", point, run.system().points().size());
-            return run.point_position(point);
-          },
-          py::arg("point"))
-      .def(
-          "point_velocity",
-          [](const SampledRun& run, int point) {
-            checks::index("point", point, run.system().points().size());
-            return run.point_velocity(point);
-          },
-          py::arg("point"))
+      .def("point_position", &of_point<&SampledRun::point_position>, py::arg("point"))
+      .def("point_velocity", &of_point<&SampledRun::point_velocity>, py::arg("point"))
       .def_property_readonly("statistics", &SampledRun::statistics)
       .def("result", &SampledRun::result, "What was recorded so far.");
   using Differentiated = DifferentiatedSampledRun;

@@ -11,11 +11,11 @@ using namespace flexarm::simulation;
 
 namespace {
 
-constexpr double k = 2e4;
+constexpr double stiffness = 2e4;
 const Vector3d axis = Vector3d(0.2, 1, -0.3);
 
 flexarm::model::Arm on_pedestal(flexarm::model::Arm arm) {
-  arm.pedestal = flexarm::model::Pedestal{.hinges = {{axis, k, 20}}, .axis = axis};
+  arm.pedestal = flexarm::model::Pedestal{.hinges = {{axis, stiffness, 20}}, .axis = axis};
   return arm;
 }
 
@@ -29,7 +29,7 @@ TEST_CASE("A pedestal turns by the moment of the arm's weight over its stiffness
   const double angle = rest.state.s[system.pedestal().thetas[0]];
   CHECK(error(wrench.head<3>(), system.mass() * loads.gravity) < 1e-7);
   CHECK(std::abs(angle) > 1e-4);
-  CHECK(angle == near(wrench.tail<3>().dot(axis.normalized()) / k, 1e-8));
+  CHECK(angle == near(wrench.tail<3>().dot(axis.normalized()) / stiffness, 1e-8));
 }
 
 TEST_CASE("An arm on a pedestal stands as the arm whose base was turned by as much") {
