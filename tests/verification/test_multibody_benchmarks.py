@@ -105,6 +105,14 @@ def test_bricards_mechanism_has_one_freedom_where_gruebler_counts_none():
     assert np.abs(place[0][:2500] - place[1][:2500]).max() < 1e-2
 
 
+def test_a_loop_without_damping_that_fails_says_what_helps():
+    mechanism = mechanisms.four_bar_windows(2)
+    for alpha, hint in ((0.0, "take alpha = -0.05"), (-0.05, "times to")):
+        with pytest.raises(flexarm.NotConverged, match=hint + ".*$") as found:
+            released(mechanism, "A0", 1.0, lambda t: np.full_like(t, 1e9), 1.0, 0.1, alpha)
+        assert ("alpha" in str(found.value)) == (alpha == 0)
+
+
 @pytest.mark.parametrize("alpha", [0.0, -0.05])
 def test_a_pendulum_let_go_from_the_horizontal_swings_with_its_elliptic_period(alpha):
     """T = 4 K(1/2) sqrt(l/g) for a point mass on a bar without mass; second order from the first step on."""

@@ -68,12 +68,17 @@ template <int D>
 void HhtStepperIn<D>::halve(StateIn<D>& state, double h, const Drives& drives, int depth) {
   if (depth > options_.max_halvings) {
     const double residual = r_.head(system_.n_free()).template lpNorm<Eigen::Infinity>();
-    char text[200];
+    const bool undamped = coefficients_.alpha == 0 && !system_.closures().empty();
+    char text[320];
     std::snprintf(text, sizeof text,
                   "step %ld, t = %.6g s: residual %.1e N left after %d iterations%s, with the step halved %d "
-                  "times to %.1e s",
+                  "times to %.1e s%s",
                   statistics_.steps + 1, state.t + h, residual, iteration_,
-                  singular_ ? ", where the matrix is singular or not finite" : "", options_.max_halvings, h);
+                  singular_ ? ", where the matrix is singular or not finite" : "", options_.max_halvings, h,
+                  undamped
+                      ? "; in closed loops alpha = 0 lets forces alternate from step to step, and halved "
+                        "steps feed that: take alpha = -0.05"
+                      : "");
     throw NotConverged(text, state.t + h, iteration_, residual);
   }
   ++statistics_.halvings;
