@@ -12,6 +12,7 @@ from pytest import approx
 from scipy.special import ellipj
 
 import flexarm
+from flexarm.arm.parameter import parameters, with_value
 from flexarm.errors import InvalidParameter
 
 HINGE = {"name": "q", "type": "revolute", "parent": "base", "child": "bob", "axis": [0, -1, 0]}
@@ -112,6 +113,31 @@ def test_a_beam_that_a_drive_turns_steadily_does_not_ring_from_the_start():
         across = np.stack([-np.sin(2 * run.time), 0 * run.time, np.cos(2 * run.time)], axis=1)
         off.append(np.abs(np.sum(run.position[:, 0] * across, axis=1)).max())
     assert off[1] < 1e-3 * off[0]
+
+
+def test_derivatives_of_runs_in_motion_are_those_of_differences():
+    """By a mass and a length of a four-bar, and in the plane by a mass that bends a beam."""
+    loop = loops.four_bar("C", assembly=loops.assembled("C", ANGLE))
+    beam = arm(
+        joints=[HINGE],
+        links=[loops.beam("bob", 1.0, 2)],
+        payloads=[{"name": "load", "link": "bob", "position": [1, 0, 0], "mass": 0.5}],
+    )
+    for model, joint, key in (
+        (loop, "A", "links.rocker.mass"),
+        (loop, "A", "closures.C.b_origin.xyz.x"),
+        (beam, "q", "payloads.load.mass"),
+    ):
+        value, h = parameters(model, [key])[0].value, 1e-4
+        run, plus, minus = (
+            thrown(with_value(model, key, value + e), joint, ANGLE, RATE, 0.2, 2e-3, **more)
+            for e, more in ((0, {"sensitivities": [key]}), (h, {}), (-h, {}))
+        )
+        for name in ("joint_angle", "joint_rate"):
+            expected = (getattr(plus, name) - getattr(minus, name)) / (2 * h)
+            slope = run.sensitivities[name][..., 0]
+            assert np.abs(expected).max() > 1e-3
+            assert slope == approx(expected, abs=2e-5 * np.abs(expected).max()), (key, name)
 
 
 def test_a_rate_belongs_to_a_joint_that_a_torque_drives():

@@ -68,6 +68,8 @@ StateDerivative part(const PlanarSystem& plane, const State& state, const StateD
     flat.v_dot.col(k) = projected.v_dot;
     flat.a.col(k) = projected.a;
     flat.multipliers.col(k) = projected.multipliers;
+    column.v = derivative.velocity.col(k);
+    flat.velocity.col(k) = plane.part(column).v;
   }
   flat.law_x = derivative.law_x;
   flat.law_z = derivative.law_z;

@@ -13,7 +13,7 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
-from flexarm.arm.parameter import Parameter
+from flexarm.arm.parameter import Parameter, neighbours
 from flexarm.arrays import Floats, read_only
 from flexarm.assembly import assemble, joint_values, loops_of
 from flexarm.drive import Drive
@@ -112,8 +112,11 @@ def differentiated(
 def driven(run: PreparedRun, changes: Sequence[Drive]) -> Simulation:
     """Return the run with the derivatives of its arrays by a part of each of some changes of its drives.
 
-    Raise InvalidParameter if a controller drives a joint: its loop answers to a change.
+    Raise InvalidParameter if a controller drives a joint, whose loop answers to a change, or the run begins
+    in motion.
     """
+    if run.drive.rates is not None:
+        raise InvalidParameter("a run that begins in motion has no derivatives by its drives", where="drive")
     if any(joint.side == "command" for joint in run.drive.joints.values()):
         raise InvalidParameter("must prescribe motions or torques, no commands", where="drive")
     system = _free(run, run.arm)
@@ -138,8 +141,6 @@ def _with_slopes(
     wanted: Sequence[Parameter] = (),
 ) -> tuple[Simulation, dict[str, Floats]]:
     """Return the run and the slopes of its arrays by what varies, with motors free and still."""
-    if run.drive.rates is not None:
-        raise InvalidParameter("a run that begins in motion has no derivatives", where="drive.rates")
     equilibrium = _start(run, held, run.motions)
     initial = _core.static_derivative(held, equilibrium, still, run.options.start)
     if wanted:
@@ -148,12 +149,24 @@ def _with_slopes(
         )
     if held is not system:
         initial = _core.released_derivative(held, initial, system)
-        equilibrium = _core.released(held, equilibrium, system)
+    equilibrium = start_in_motion(run, held, system, equilibrium)
+    if run.drive.rates is not None:
+        initial.velocity = _velocity_slopes(run, wanted)
     run.options.tolerance = DIFFERENTIATED
     both = _core.simulate_differentiated(system, equilibrium, run.motions, run.options, free, initial, report)
     energies = energies_of(both.run, system, equilibrium, run.motions, run.options, run.led)
     found = _with_drive(run, simulation_of(run.arm, both.run, run.options, energies, run.led))
     return found, derived(found, both.derivatives, len(free), run.led)
+
+
+def _velocity_slopes(run: PreparedRun, wanted: Sequence[Parameter]) -> Floats:
+    """Return what parameters do to the velocities of a start in motion, shape (velocity, parameter)."""
+    columns = []
+    for parameter in wanted:
+        (above, up), (below, down) = neighbours(run.arm, parameter)
+        plus, minus = (StartedRun.of(replace(run, arm=arm)).equilibrium.state.v for arm in (above, below))
+        columns.append((np.asarray(plus) - np.asarray(minus)) / (up - down))
+    return np.stack(columns, axis=1)
 
 
 def derived(run: Simulation, derivatives: _core.Transient, count: int, led: int = 0) -> dict[str, Floats]:
