@@ -7,6 +7,7 @@ from typing import Any
 
 import loops
 import numpy as np
+from scipy.integrate import solve_ivp
 
 import flexarm
 from flexarm.effects import CableTorque
@@ -165,3 +166,105 @@ def bricard() -> flexarm.Arm:
             "points": [{"name": "P3", "link": "rod2", "position": list(edges[2])}],
         }
     )
+
+
+CRANK_PIN, CRANK_LENGTH, ROD_LENGTH = np.array([0.0, 0.1, 0.12]), 0.08, 0.3
+"""Pin of the crank of `spatial_slider_crank`, and lengths [m]; the slider moves along the x axis."""
+
+
+def spatial_slider_crank(pin: np.ndarray) -> flexarm.Arm:
+    """Return the spatial slider-crank of the library of the IFToMM, crank upright, slider at x = 0.2 m.
+
+    Crank of 0.12 kg about x, rod of 0.5 kg in a ball at its end and in a cross at the slider of 2 kg. The
+    cross turns about x in the slider and about the axis `pin` in the rod. Data of the test model of EXUDYN.
+    """
+    centre, eye = np.array([0.2, 0, 0]), CRANK_PIN + np.array([0, 0, CRANK_LENGTH])
+    rod = eye - centre
+    along = np.outer(rod, rod) / ROD_LENGTH**2
+    across = 4e-3 * np.eye(3) - 3.6e-3 * along
+
+    def body(name: str, mass: float, com: Any, inertia: Any) -> dict[str, Any]:
+        numbers = {"com": list(map(float, com)), "inertia": list(map(float, inertia))}
+        return {"name": name, "type": "rigid", "mass": mass, **numbers}
+
+    def joint(
+        name: str, kind: str, parent: str, child: str, axis: Any, xyz: Any = (0, 0, 0)
+    ) -> dict[str, Any]:
+        place = {"axis": list(map(float, axis)), "origin": {"xyz": list(map(float, xyz))}}
+        return {"name": name, "type": kind, "parent": parent, "child": child, **place}
+
+    ball = {"name": "B", "type": "spherical", "a": "crank", "a_origin": {"xyz": [0, 0, CRANK_LENGTH]}}
+    return flexarm.Arm.from_dict(
+        {
+            "name": "spatial slider-crank",
+            "gravity": [0, 0, -9.81],
+            "links": [
+                body("crank", 0.12, (0, 0, 0), (1e-4, 1e-5, 1e-4)),
+                body("slider", 2.0, (0, 0, 0), (1e-4, 1e-4, 1e-4)),
+                body("cross", 0.0, (0, 0, 0), (0, 0, 0)),
+                body("rod", 0.5, rod / 2, (*np.diag(across), across[0, 1], across[0, 2], across[1, 2])),
+            ],
+            "joints": [
+                joint("A", "revolute", "base", "crank", (1, 0, 0), CRANK_PIN),
+                joint("D", "prismatic", "base", "slider", (1, 0, 0)),
+                joint("roll", "revolute", "slider", "cross", (1, 0, 0)),
+                joint("pin", "revolute", "cross", "rod", pin),
+            ],
+            "closures": [ball | {"b": "rod", "b_origin": {"xyz": list(map(float, rod))}}],
+            "assembly": {"A": 0.0, "D": 0.2, "roll": 0.0, "pin": 0.0},
+            "points": [
+                {"name": "end_of_crank", "link": "crank", "position": [0, 0, CRANK_LENGTH]},
+                {"name": "end_of_rod", "link": "rod", "position": list(map(float, rod))},
+            ],
+        }
+    )
+
+
+class SliderCrankEquation:
+    """The one equation of `spatial_slider_crank`: J q'' + J' q'^2/2 + V' = 0, q the crank's angle.
+
+    The pin keeps the angle with x that it has in the cross, which gives the rod's roll.
+    """
+
+    def __init__(self, pin: np.ndarray) -> None:
+        self.lean, self.side = pin[0], 1.0
+        self.side = 1.0 if np.allclose(self.pose(0.0)[3], pin) else -1.0
+
+    def pose(self, q: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return the crank's end, the slider, the direction from one to the other, and the pin."""
+        eye = CRANK_PIN + CRANK_LENGTH * np.array([0, -np.sin(q), np.cos(q)])
+        slider = np.array([np.sqrt(ROD_LENGTH**2 - eye[1] ** 2 - eye[2] ** 2), 0, 0])
+        d = (slider - eye) / ROD_LENGTH
+        n = np.array([1.0, 0, 0]) - d[0] * d
+        part = self.lean / (n @ n)
+        rest = self.side * np.sqrt(max(1 - part**2 * (n @ n), 0) / (n @ n))
+        return eye, slider, d, part * n + rest * np.cross(d, n)
+
+    def speeds(self, q: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return velocities of the crank's end and the slider and the rod's angular one, by q'."""
+        eye, slider, d, pin = self.pose(q)
+        x = np.array([1.0, 0, 0])
+        v_eye = np.cross(x, eye - CRANK_PIN)
+        v_slider = -(eye @ v_eye - eye[0] * v_eye[0]) / slider[0] * x
+        turning = np.stack([np.cross(x, -d), np.cross(pin, -d)], axis=1) * ROD_LENGTH
+        a, b = np.linalg.lstsq(turning, v_eye - v_slider, rcond=None)[0]
+        return v_eye, v_slider, a * x + b * pin
+
+    def inertia(self, q: float) -> float:
+        """Return J [kg m2]."""
+        v_eye, v_slider, w = self.speeds(q)
+        v, along = (v_eye + v_slider) / 2, w @ self.pose(q)[2]
+        rod = 0.5 * v @ v + 4e-3 * w @ w - 3.6e-3 * along**2
+        return 1e-4 + 2 * v_slider @ v_slider + rod
+
+    def run(self, time: np.ndarray) -> np.ndarray:
+        """Return q at times, begun with 6 rad/s."""
+
+        def slope(f: Any, q: float, h: float = 1e-5) -> float:
+            return (f(q + h) - f(q - h)) / (2 * h)
+
+        def change(t: float, y: np.ndarray) -> list[float]:
+            weight = 9.81 * 0.5 / 2 * slope(lambda q: self.pose(q)[0][2], y[0])
+            return [y[1], -(0.5 * slope(self.inertia, y[0]) * y[1] ** 2 + weight) / self.inertia(y[0])]
+
+        return solve_ivp(change, (0, time[-1]), [0, 6], "DOP853", time, rtol=1e-9, atol=1e-10).y[0]

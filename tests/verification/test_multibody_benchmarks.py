@@ -8,6 +8,7 @@ import pytest
 from arms import G, arm, drive, rigid
 from pytest import approx
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 from scipy.special import ellipk
 
 import flexarm
@@ -103,6 +104,61 @@ def test_bricards_mechanism_has_one_freedom_where_gruebler_counts_none():
     assert energy[1] < 4e-5
     assert energy[0] / energy[1] > 3
     assert np.abs(place[0][:2500] - place[1][:2500]).max() < 1e-2
+
+
+ACROSS = np.array([0.0, 2.0, -1.0]) / np.sqrt(5)
+"""Axis of the pin of a cross in a spatial slider-crank, normal to the rod and to the slider's way."""
+LEANING = np.array([-0.4, 1.2, -1.0]) / np.sqrt(2.6)
+"""That of the test model of EXUDYN (`sliderCrank3Dtest.py`), 14 degrees from normal to the way."""
+
+
+def cranked(pin: np.ndarray, end: float, step: float, **more) -> flexarm.Simulation:
+    """The spatial slider-crank of the library of the IFToMM, begun at 6 rad/s."""
+    free = drive({"A": np.zeros_like}, end, 11, side="torque")
+    told = flexarm.Drive(free.joints, {"A": 0.0}, 0.0, end, rates={"A": 6.0})
+    return flexarm.simulate(mechanisms.spatial_slider_crank(pin), told, step=step, **more)
+
+
+def sum_of_coordinates(angles: np.ndarray, slider: float) -> float:
+    """Absolute places and Euler parameters of crank and rod, which the test model of EXUDYN adds up."""
+    a, roll, pin = angles
+    start = np.array([0.2, -0.1, -0.2]) / 0.3
+    turned = Rotation.from_rotvec([roll, 0, 0]) * Rotation.from_rotvec(pin * LEANING)
+    rod = turned * Rotation.from_matrix(np.stack([start, LEANING, np.cross(start, LEANING)], axis=1))
+    middle = np.array([slider, 0, 0]) - 0.15 * turned.apply(start)
+    crank = [*mechanisms.CRANK_PIN, np.cos(a / 2), np.sin(a / 2)]
+    return float(sum(np.abs(part).sum() for part in (crank, middle, rod.as_quat())))
+
+
+def test_a_spatial_slider_crank_starts_and_goes_on_as_published():
+    """Start of EXUDYN's test model to its ten digits; at 0.2 s its result, extrapolated within 1e-7."""
+    found = []
+    for step in (2e-3, 1e-3):
+        run = cranked(LEANING, 0.2, step)
+        _, slider, roll, pin = run.joint_rate[0]
+        turning = np.array([roll, 0, 0]) + pin * LEANING
+        assert slider == approx(0.24, abs=1e-12)
+        assert turning == approx([1.6941176470530785, -0.8470588235366621, 0.705882352947701], abs=1e-10)
+        found.append(sum_of_coordinates(run.joint_angle[-1, [0, 2, 3]], run.joint_angle[-1, 1]))
+    assert abs(found[1] - 3.36427617809219) < 2e-6
+    assert (4 * found[1] - found[0]) / 3 == approx(3.36427617809219, abs=1e-7)
+
+
+def test_a_spatial_slider_crank_moves_by_its_one_equation():
+    """Over the five seconds of the benchmark, nine turns; of second order."""
+    expected = mechanisms.SliderCrankEquation(ACROSS).run(np.linspace(0, 5, 51))
+    assert expected[-1] > 16 * np.pi
+    error, lost = [], []
+    for step in (1e-3, 5e-4):
+        run = cranked(ACROSS, 5.0, step, energies=True)
+        error.append(np.abs(run.joint_angle[:: round(0.1 / step), 0] - expected).max())
+        assert np.abs(run.position[:, 0] - run.position[:, 1]).max() < 1e-9
+        balance = run.kinetic + run.gravity
+        lost.append(np.abs(balance - balance[0]).max() / np.ptp(run.kinetic))
+    assert error[1] < 3e-3
+    assert lost[1] < 4e-4
+    assert error[0] / error[1] > 3.5
+    assert lost[0] / lost[1] == approx(4, rel=0.1)
 
 
 def test_a_loop_without_damping_that_fails_says_what_helps():
