@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 from math import inf, log
 
 from flexarm.errors import InvalidParameter
+from flexarm.former_names import takes_former_names
 
 MOVES = (
     "confounding",
@@ -32,7 +33,26 @@ MOVES = (
 
 
 @dataclass(frozen=True)
-class SelectionPolicy:
+class FamilyPolicy:
+    """Prior of the spread of a family."""
+
+    family_spread: float = 1.0
+    """Prior spread [-] of ln(size) in a family: a factor e, as base and wrist of an arm differ."""
+    family_count: float = 2.0
+    """Members that the prior of a spread counts as [1]: it decides only where a family is small."""
+
+
+@takes_former_names(
+    renamed={"most_of_gap": "halfway"},
+    removed={
+        "families": "half as many families as `proposals` are fitted in a step",
+        "rounds": "a search ends where nothing changes, at the latest after `most_effects` rounds",
+        "family_places": "a family has at least three places, as two are a pair of effects",
+        "doubtful": "a name in doubt has a probability of one half at most",
+    },
+)
+@dataclass(frozen=True)
+class SelectionPolicy(FamilyPolicy):
     """Thresholds of the search, all with a default.
 
     Evidence is ln B, a difference of log evidence [-]; pulls are in prior standard deviations [sigma].
@@ -95,10 +115,6 @@ class SelectionPolicy:
     """Candidates fitted more [1], screened at low frequency or in conflict with priors."""
     among: int = 16
     """Places of which all triples are screened [1], and half as many from pairs: time grows as the cube."""
-    family_spread: float = 1.0
-    """Prior spread [-] of ln(size) in a family: a factor e, as base and wrist of an arm differ."""
-    family_count: float = 2.0
-    """Members that the prior of a spread counts as [1]: it decides only where a family is small."""
     family_leave: float = 1.0
     """ln B by which a family must be better without a place: places that no data show gain some 0.2."""
     faint: float = 0.3
