@@ -24,7 +24,7 @@ import flexarm
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.verification import Bench
+from flexarm.diagnosis.verification import SplitRecords
 from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.search import MissingLaws, missing_laws
@@ -104,8 +104,8 @@ class Study:
 
     def check(self) -> LawCheck:
         """Return what laws are checked with."""
-        bench = Bench(self.records, {"other": self.other}, 2e-3, -0.05, 1)
-        return LawCheck(bench, nominal(), nominal(), "tip")
+        records = SplitRecords(self.records, {"other": self.other}, 2e-3, -0.05, 1)
+        return LawCheck(records, nominal(), nominal(), "tip")
 
     def laws(self, policy: LawPolicy | None = None) -> MissingLaws:
         """Infer what is missing."""

@@ -166,7 +166,7 @@ def test_nothing_uncertain_is_refused():
 def family(spread: float) -> Family:
     prior = Prior(1e2, 1e6, 1e4, "log", "N m/rad", "test")
     members = tuple(FreeParameter.of_family(f"k{k}", prior, spread, None) for k in range(3))
-    hierarchy = HierarchicalPrior.of(prior, spread, CalibrationPolicy.spread_members)
+    hierarchy = HierarchicalPrior.of(prior, spread, CalibrationPolicy.family_count)
     return Family("joint_compliance", "stiffness", prior, members, ("a", "b", "c"), hierarchy)
 
 

@@ -46,7 +46,7 @@ class CalibratedParameter:
     @property
     def determined(self) -> bool:
         """Return True if the data removed most of the prior variance."""
-        return self.identifiability > CalibrationPolicy.known
+        return self.identifiability > CalibrationPolicy.determined
 
 
 @dataclass(frozen=True)

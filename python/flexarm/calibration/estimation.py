@@ -86,7 +86,7 @@ class Estimation:
         keys = [parameter.key for parameter in self.parameters]
         return [keys.index(member.key) for member in family.members]
 
-    def tied(self) -> Floats:
+    def shared_columns(self) -> Floats:
         """Return A, with one shared size a family."""
         shared = [self.columns(family) for family in self.families if family.shared]
         taken = {k for columns in shared for k in columns}
@@ -157,12 +157,12 @@ class Posterior:
     """Number of linearisations."""
 
     @property
-    def settled(self) -> bool:
+    def converged(self) -> bool:
         """Return True if the last step moved nothing by more than a fifth of its sigma."""
-        return float(np.abs(self.last_move).max(initial=0.0)) < self.estimation.policy.settled
+        return float(np.abs(self.last_move).max(initial=0.0)) < self.estimation.policy.tolerance
 
 
-def start_sizes(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
+def best_start(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
     """Return u with the shared sizes of families at the best of some tried ones, one after the other.
 
     All else is fitted along to first order.
@@ -174,8 +174,8 @@ def start_sizes(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
         jacobian = estimation.linearised(u).jacobian
         sigma = np.array([estimation.parameters[k].sigma for k in others])
         projection = Projection(jacobian[:, others], sigma)
-        beyond = estimation.policy.beyond
-        sizes = np.geomspace(family.prior.low / beyond, family.prior.high * beyond, estimation.policy.sizes)
+        factor = estimation.policy.range_factor
+        sizes = np.geomspace(family.prior.low / factor, family.prior.high * factor, estimation.policy.sizes)
         tried = []
         for size in np.log(sizes):
             there = u.copy()
@@ -206,18 +206,18 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
         weight = estimation.weights(point.residual + point.jacobian @ ahead)
         normal = NormalEquations.of(point.jacobian @ A, A.T @ P @ A, weight)
         covariance = A @ normal.inverse() @ A.T
-        move, there, lowered = _descent(estimation, point, weight, P, centre, A)
+        move, there, lowered = _damped_step(estimation, point, weight, P, centre, A)
         sigmas = move / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
         found = Posterior(estimation, point, weight, covariance, sigmas, count)
         largest = float(np.abs(sigmas).max(initial=0.0))
         left = float(np.sqrt(np.mean(point.residual**2)))
         tell(f"step {count}: {left:.3g} times the noise, moves by {largest:.2g} sigma")
-        rests = largest < policy.settled and lowered < policy.settled**2
+        rests = largest < policy.tolerance and lowered < policy.tolerance**2
         if (rests and point.exact) or count == policy.iterations:
             break
         if not allows("the estimates came to rest"):
             break
-        kept = not rests and _foretold(point, move, there, policy.foretold)
+        kept = not rests and _is_linear(point, move, there, policy.linearisation_error)
         u = point.u + move
         point = Point(u, there, point.jacobian, False) if kept else estimation.linearised(u)
         if basis is None:
@@ -225,7 +225,7 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
     return found
 
 
-def _foretold(point: Point, move: Floats, there: Floats, part: float) -> bool:
+def _is_linear(point: Point, move: Floats, there: Floats, part: float) -> bool:
     """Return True if derivatives missed no more than a part of what a step changed."""
     missed = there - point.residual - point.jacobian @ move
     return float(missed @ missed) < part**2 * float(np.sum((there - point.residual) ** 2))
@@ -242,7 +242,7 @@ def _step(point: Point, weight: Floats, P: Floats, centre: Floats, A: Floats, da
     return -A @ NormalEquations.of(jacobian, held, weight).solved(gradient)
 
 
-def _descent(
+def _damped_step(
     estimation: Estimation, point: Point, weight: Floats, P: Floats, centre: Floats, A: Floats
 ) -> tuple[Floats, Floats, float]:
     """Return the least damped step of (2) that does not lead up, r after it, and by how much it lowers (1).
@@ -259,12 +259,12 @@ def _descent(
     for _ in range(policy.trials):
         step = _step(point, weight, P, centre, A, damping)
         longest = float(np.abs(step[logarithmic]).max(initial=0.0))
-        step *= min(1.0, policy.longest / max(longest, 1e-300))
+        step *= min(1.0, policy.longest_step / max(longest, 1e-300))
         tried = []
         with suppress(*FIT_ERRORS):
             residual = estimation.residual(point.u + step, point.jacobian)
             tried.append((cost(point.u + step, residual), step, residual))
-            if not _foretold(point, step, residual, policy.foretold):
+            if not _is_linear(point, step, residual, policy.linearisation_error):
                 from_there = replace(point, u=point.u + step, residual=residual)
                 bent = step + _step(from_there, weight, P, centre, A, damping)
                 residual = estimation.residual(point.u + bent, point.jacobian)
@@ -276,15 +276,17 @@ def _descent(
     return np.zeros_like(point.u), point.residual, 0.0
 
 
-def shared_first(estimation: Estimation, u: Floats, tell: Tell) -> list[Posterior]:
+def estimates_from_shared_sizes(estimation: Estimation, u: Floats, tell: Tell) -> list[Posterior]:
     """Return the estimate with one shared size a family, if there are families, and that of all members."""
     found: list[Posterior] = []
     if any(family.shared for family in estimation.families):
-        u = start_sizes(estimation, u, tell)
+        u = best_start(estimation, u, tell)
         rules = estimation.policy
-        brief = replace(rules, settled=rules.settled_first, iterations=rules.iterations_first)
+        brief = replace(rules, tolerance=rules.tolerance_first, iterations=rules.iterations_first)
         start = replace(estimation, policy=brief)
-        found.append(estimate(start, u, lambda what: tell(f"shared sizes, {what}"), estimation.tied()))
+        found.append(
+            estimate(start, u, lambda what: tell(f"shared sizes, {what}"), estimation.shared_columns())
+        )
         u = found[-1].point.u
     found.append(estimate(estimation, u, tell))
     return found

@@ -142,7 +142,7 @@ def _nowhere(kind: type[Effect]) -> str:
 
 def _family(members: Sequence[tuple[str, Prior, Effect]], policy: CalibrationPolicy) -> Family:
     parameter, prior, first = members[0]
-    hierarchy = HierarchicalPrior.of(prior, policy.spread, policy.spread_members)
+    hierarchy = HierarchicalPrior.of(prior, policy.family_spread, policy.family_count)
     free = tuple(
         FreeParameter.of_family(
             f"effects.{effect.name}.{effect.at}.{name}",

@@ -1,39 +1,52 @@
-"""Numbers that a calibration decides by, in one place."""
+"""Settings of a calibration."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexarm.diagnosis.policy import FamilyPolicy
+from flexarm.former_names import takes_former_names
 
+
+@takes_former_names(
+    renamed={
+        "spread": "family_spread",
+        "spread_members": "family_count",
+        "beyond": "range_factor",
+        "settled": "tolerance",
+        "settled_first": "tolerance_first",
+        "foretold": "linearisation_error",
+        "longest": "longest_step",
+        "known": "determined",
+    }
+)
 @dataclass(frozen=True)
-class CalibrationPolicy:
-    """Priors of families, and when an estimate is at rest; each with its unit and reason."""
+class CalibrationPolicy(FamilyPolicy):
+    """Settings of a calibration, all with a default."""
 
-    spread: float = 1.0
-    """Prior spread [-] of ln(size) in a family: a factor e, as base and wrist of an arm differ."""
-    spread_members: float = 2.0
-    """Members that the prior of a spread counts as [1]: it decides only where a family is small."""
     sizes: int = 9
-    """Shared sizes that are tried first [1], from far below to far above what is plausible."""
-    beyond: float = 3.0
-    """How far they reach beyond the plausible range [factor]."""
-    settled: float = 0.2
-    """Greatest move [sigma] of an estimate at rest: a fifth is 2 % of its mean square error."""
-    settled_first: float = 2.0
-    """The same of shared sizes [sigma], which are a start of what follows."""
+    """Shared sizes at which the multi-start begins [1]."""
+    range_factor: float = 3.0
+    """Factor by which these reach beyond the plausible range [-]."""
+    tolerance: float = 0.2
+    """Greatest move of a converged estimate [sigma]: a fifth is 2 % of its mean square error."""
+    tolerance_first: float = 2.0
+    """The same of shared sizes [sigma], from which the estimate of all members starts."""
     iterations_first: int = 3
     """Most linearisations with shared sizes [1]."""
-    foretold: float = 0.1
-    """Part [-] of a step that derivatives may miss and are kept, as in `diagnosis.estimator`."""
+    linearisation_error: float = 0.1
+    """Part [-] of a step's change that derivatives may miss and are still used for the next step."""
     iterations: int = 30
     """Most linearisations of one estimation [1]."""
-    longest: float = 1.5
-    """Longest step of a logarithm [-]: further away a linearisation says nothing."""
+    longest_step: float = 1.5
+    """Longest step of a logarithm [-]: a linearisation holds no further."""
     damping: float = 1e-3
-    """First damping [-] of a step that led up, over the diagonal; tenfold with each further trial."""
+    """First damping [-] after a step that raised the objective, over the diagonal; tenfold each time."""
     trials: int = 8
     """Most trials of one step [1]."""
-    known: float = 0.5
-    """Share [-] of its prior variance that data must remove from a parameter that they determine."""
+    determined: float = 0.5
+    """Share of its prior variance [-] that data remove from a parameter that they determine."""
     correlated: float = 0.9
-    """Correlation [-] of two parameters that is told."""
+    """Correlation of two parameters [-] that is reported."""
+    inflated: float = 2.0
+    """Variance of a signal's residual over that of its noise [-] that is reported as a gap."""

@@ -21,7 +21,7 @@ from flexarm.calibration.estimates import (
     ChiSquare,
     Range,
 )
-from flexarm.calibration.estimation import Estimation, Posterior, shared_first
+from flexarm.calibration.estimation import Estimation, Posterior, estimates_from_shared_sizes
 from flexarm.calibration.families import Family, family_kinds, with_families
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
@@ -40,7 +40,7 @@ from flexarm.diagnosis.nuisance import first_guess, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.sensors import with_zeros
-from flexarm.diagnosis.verification import Bench, main_signal
+from flexarm.diagnosis.verification import SplitRecords, main_signal
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.named_effects import NORMAL_90
@@ -145,14 +145,14 @@ def _calibration(
     problem = weighted_by_input_noise(problem)
     estimation = _estimation(problem, families, rules)
     steps = count(1)
-    posterior = shared_first(
+    posterior = estimates_from_shared_sizes(
         estimation, estimation.centre, lambda what: tell(0.9 * (1 - share ** next(steps)), what)
     )[-1]
     tell(0.9, "verifying")
     updated = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)
-    bench = Bench(parted.training, parted.held_out, step, alpha, workers)
-    before = bench.in_all(arm)
-    after = bench.in_all(updated, before)
+    split_records = SplitRecords(parted.training, parted.held_out, step, alpha, workers)
+    before = split_records.gaps(arm)
+    after = split_records.gaps(updated, before)
     order = _order(posterior)
     std = np.sqrt(np.diag(posterior.covariance))
     return Calibration(
@@ -288,13 +288,17 @@ def _chi_square(posterior: Posterior) -> ChiSquare:
 
 def _remarks(posterior: Posterior, parted: Split) -> list[str]:
     found: list[str] = [*parted.remarks]
-    if not posterior.settled:
+    if not posterior.converged:
         k = int(np.argmax(np.abs(posterior.last_move)))
         found.append(
             f"the estimates are not at rest after {posterior.iterations} steps: the last one moves "
             f"{posterior.estimation.parameters[k].key} by {abs(posterior.last_move[k]):.2g} sigma"
         )
-    loud = [name for name, size in _chi_square(posterior).inflation.items() if size > 2.0]
+    loud = [
+        name
+        for name, size in _chi_square(posterior).inflation.items()
+        if size > posterior.estimation.policy.inflated
+    ]
     if loud:
         found.append(
             f"a gap stays in {listed(loud)}: intervals are widened by it, and hold if what is left is "

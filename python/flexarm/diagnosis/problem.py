@@ -43,9 +43,9 @@ from flexarm.diagnosis.residual_rows import (
     differences,
     evidence_rows,
     is_non_smooth,
-    put_over_noise,
     rows_left,
     static_jacobian,
+    write_over_noise,
 )
 from flexarm.diagnosis.simulation_cache import SimulationCache
 from flexarm.errors import InvalidParameter, NotConverged
@@ -217,7 +217,7 @@ class Problem:
                 seen[key] = pair.residual(signal, self.placement[name], hold=True)
             return seen[key]
 
-        put_over_noise(found, self.rows_of(name) if rows is None else rows, of_signal)
+        write_over_noise(found, self.rows_of(name) if rows is None else rows, of_signal)
 
     def prepare(self, arms: Iterable[Arm]) -> None:
         """Compute residuals of many models, `jobs` runs at once; `residual` says later which failed."""

@@ -155,7 +155,7 @@ def shown_noise(residual: Floats) -> float:
     return float(1.4826 * np.median(np.abs(np.diff(residual, 2))) / np.sqrt(6.0))  # eq. (2)
 
 
-def put_over_noise(found: Floats, rows: Iterable[Rows], values: Callable[[str], Floats]) -> None:
+def write_over_noise(found: Floats, rows: Iterable[Rows], values: Callable[[str], Floats]) -> None:
     """Write eq. (1) into some rows of a residual, or derivatives of it, from the values of each signal."""
     by_signal: dict[str, Floats] = {}
     for each in rows:
@@ -221,7 +221,7 @@ def _put_pose_slopes(found: Floats, problem: Problem, arm: Arm, name: str, keys:
         frame = placement.frame(signal)
         return -predict_slopes(run, signal, registration=frame, stamps=stamps[name])
 
-    put_over_noise(found, problem.rows_of(name), of_signal)
+    write_over_noise(found, problem.rows_of(name), of_signal)
 
 
 def _is_overruled(key: str, arm: Arm, carried: Arm) -> bool:

@@ -157,8 +157,8 @@ def _rms(found: Gaps, signal: str) -> dict[str, float]:
 
 
 @dataclass(frozen=True)
-class Bench:
-    """Records that models are compared with."""
+class SplitRecords:
+    """Records of a training and held-out ones, with which models are compared."""
 
     training: Mapping[str, Record]
     held_out: Mapping[str, Record]
@@ -169,11 +169,11 @@ class Bench:
     jobs: int
     """Simulations at once."""
 
-    def in_training(self, model: Arm) -> Gaps:
+    def training_gaps(self, model: Arm) -> Gaps:
         """Return the gap of a model by record that was fitted."""
         return compared(self._aligned(model, self.training))
 
-    def in_all(self, model: Arm, before: Gaps | None = None) -> Gaps:
+    def gaps(self, model: Arm, before: Gaps | None = None) -> Gaps:
         """Return the same by any record, in the bands of another model's gaps where they are given."""
         return compared(self.aligned(model), before)
 
@@ -213,7 +213,7 @@ class Verification:
 
 
 def verified(
-    bench: Bench,
+    records: SplitRecords,
     arm: Arm,
     updated: Arm,
     encoders: Sequence[Effect],
@@ -225,23 +225,23 @@ def verified(
     `encoders` are steps of encoders that were seen in readings, `members` the chosen effects. If the gap is
     open the remainder is described.
     """
-    runs, runs_after = bench.aligned(arm), bench.aligned(updated)
+    runs, runs_after = records.aligned(arm), records.aligned(updated)
     before = compared(runs)
     after = compared(runs_after, before)
-    main = main_signal(bench.training, before)
-    pairs, pairs_after = ({name: found[name] for name in bench.training} for found in (runs, runs_after))
+    main = main_signal(records.training, before)
+    pairs, pairs_after = ({name: found[name] for name in records.training} for found in (runs, runs_after))
     located_after = _located(pairs_after)
     return Verification(
         before,
         after,
         main,
-        stages(bench.in_all, arm, updated, encoders, members, main, before, after),
+        stages(records.gaps, arm, updated, encoders, members, main, before, after),
         _located(pairs),
         located_after,
         _remainder(pairs, located_after) if open_gap else "",
         (
             *(f"{name}: {said}" for name, gap in after.items() for said in gap.aligned.overfitted),
-            *noise_floor(pairs_after, step=bench.step, alpha=bench.alpha).notes,
+            *noise_floor(pairs_after, step=records.step, alpha=records.alpha).notes,
         ),
     )
 

@@ -63,7 +63,7 @@ from flexarm.diagnosis.uncertainty import (
     has_implausible_size,
     restore_unidentifiable,
 )
-from flexarm.diagnosis.verification import Bench, main_signal, moved, repaired, verified, worth_keeping
+from flexarm.diagnosis.verification import SplitRecords, main_signal, moved, repaired, verified, worth_keeping
 from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.search import MissingLaws, law_remarks, missing_laws
 from flexarm.named_effects import NamedEffect
@@ -206,26 +206,27 @@ def _diagnosis(
         further = next_experiment(choice, problem, found.verdict == "unexplained")
     if out.any():
         parted = parted.without_outliers(found.repaired, problem)
-    bench = Bench(parted.training, parted.held_out, step, alpha, problem.jobs)
+    split_records = SplitRecords(parted.training, parted.held_out, step, alpha, problem.jobs)
     updated, refined = found.repaired, tuple(filter(moved, found.sizes.refined))
     if not found.kept:
         updated, refined = set_zeros(updated, refined, arm)
-    updated, refined = restore_unidentifiable(problem.arm, updated, refined, bench.in_training)
+    updated, refined = restore_unidentifiable(problem.arm, updated, refined, split_records.training_gaps)
     updated = without_idle_zeros(updated, arm)
     missing, members, sizes = MissingLaws(), choice.best.members, found.sizes
     early = ended_early(current().remarks)  # what nobody looked for may be in the vocabulary
     if laws and not early and found.verdict == "unexplained" and allows("the missing law was sought"):
         tell(0.87, "missing law")
-        signal = main_signal(parted.training, bench.in_training(arm))
+        signal = main_signal(parted.training, split_records.training_gaps(arm))
         # a law is sought about both: effects of an unexplained gap may imitate parts of it
         simplest_first = [choice.null, choice.best] if choice.best.members else [choice.best]
-        ground = LawCheck(bench, arm, updated, signal)
+        ground = LawCheck(split_records, arm, updated, signal)
         missing = missing_laws(choice.estimator, simplest_first, ground)
     if missing.added is not None:
         updated, members, sizes = missing.added.arm, missing.added.members, missing.added.sizes
         refined = tuple(filter(moved, sizes.refined))
     tell(0.95, "verifying")
-    seen = verified(bench, arm, updated, [encoder.effect for encoder in coarse], members, found.open_gap)
+    encoders = [encoder.effect for encoder in coarse]
+    seen = verified(split_records, arm, updated, encoders, members, found.open_gap)
     told = Diagnosis(
         found.verdict,
         arm,

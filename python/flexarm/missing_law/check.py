@@ -7,7 +7,7 @@ from functools import cached_property
 
 from flexarm.arm import Arm
 from flexarm.comparison.pooled_gap import pooled_gap
-from flexarm.diagnosis.verification import Bench, Gaps
+from flexarm.diagnosis.verification import Gaps, SplitRecords
 from flexarm.law_curve import LawGap
 from flexarm.missing_law.policy import LawPolicy
 
@@ -16,7 +16,7 @@ from flexarm.missing_law.policy import LawPolicy
 class LawCheck:
     """Records to check laws with, and the model without one."""
 
-    bench: Bench
+    records: SplitRecords
     """What was fitted, and what was held out."""
     stated: Arm
     updated: Arm
@@ -26,19 +26,19 @@ class LawCheck:
     @cached_property
     def before(self) -> Gaps:
         """Gap of the model without a law by record."""
-        return self.bench.in_all(self.updated)
+        return self.records.gaps(self.updated)
 
     def gaps(self, arm: Arm) -> tuple[LawGap, LawGap]:
         """Return the gap without and with a law, as `flexarm compare` prints it: fitted, and held out."""
-        after = self.bench.in_all(arm)
+        after = self.records.gaps(arm)
         train, held_out = (
             LawGap(**asdict(pooled_gap(self.before, after, names, self.signal)))
-            for names in (self.bench.training, self.bench.held_out)
+            for names in (self.records.training, self.records.held_out)
         )
         return train, held_out
 
     def accepts(self, held_out: LawGap, policy: LawPolicy) -> bool:
-        """Return True if a law foretells enough of what was held out."""
+        """Return True if a law predicts enough of what was held out."""
         if held_out.before_rms is None or held_out.after_rms is None:
             return False
         return held_out.after_rms < (1 - policy.least_closed) * held_out.before_rms

@@ -60,14 +60,14 @@ class Latent:
     """Linear response of a joint; None of a sensor."""
 
     @property
-    def nothing(self) -> float:
+    def evidence_without(self) -> float:
         """Log evidence without the motion."""
         return GaussianModel.of(self.data, np.zeros((len(self.data.y), 1))).log_evidence
 
     @property
     def gain(self) -> float:
         """Log evidence of the motion over none."""
-        return self.model.log_evidence - self.nothing
+        return self.model.log_evidence - self.evidence_without
 
 
 def noise_scale(problem: Problem, fit: Fit) -> Floats:
@@ -103,7 +103,7 @@ def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[La
         yield _exact(BASE, f"rotation about {axis}", "rad", problem, fit, bases, jacobian, policy)
     motions = (rows for rows in problem.rows if problem.records[rows.record].kind == "motion")
     for signal in dict.fromkeys(rows.signal for rows in motions):  # free in each pose, an offset is noise
-        if most_of_offset(signal, problem, fit) > best - problem.policy.reach:
+        if offset_evidence_bound(signal, problem, fit) > best - problem.policy.reach:
             yield _offset(signal, problem, fit, policy)
 
 
@@ -186,7 +186,7 @@ def _exact(
     return Latent(at, quantity, unit, data, model, length, mean, deviation, bases)
 
 
-def most_of_offset(signal: str, problem: Problem, fit: Fit) -> float:
+def offset_evidence_bound(signal: str, problem: Problem, fit: Fit) -> float:
     """Return what the log evidence of a sensor's offset is less than: all rows explained at no cost."""
     scale, of = noise_scale(problem, fit), nuisance_projection(problem, fit)
     others = np.ones(len(scale), dtype=bool)

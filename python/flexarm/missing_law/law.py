@@ -10,7 +10,7 @@ knots of the curve, K is the Matern covariance of these. So a curve is inferred 
 latent motion. A *law* has one curve; a *law with memory* one for each sense of the motion; a *change* one
 before and one after an instant, in each record or once in one of them. Hyperparameters maximise the marginal
 likelihood; the kind and the state are decided by the predictive density of blocks left out (`gaussian`,
-eq. (3)): a curve learned on some data foretells the rest, with its own uncertainty. The probability of an
+eq. (3)): a curve learned on some data predicts the rest, with its own uncertainty. The probability of an
 instant is that of the evidence over all instants.
 """
 
@@ -99,7 +99,7 @@ def knots_over(of: str, y: Floats, policy: LawPolicy) -> Floats:
     low, high = float(y.min()) - beyond, float(y.max()) + beyond
     if of not in SIGNED:
         return np.linspace(low, high, policy.curve_knots)
-    c = np.sinh(policy.dense) / max(-low, high)
+    c = np.sinh(policy.knot_density) / max(-low, high)
     return np.asarray(np.sinh(np.linspace(np.arcsinh(c * low), np.arcsinh(c * high), policy.curve_knots)) / c)
 
 
@@ -260,7 +260,7 @@ class LawSearch:
         )
 
     def best(self) -> list[Law]:
-        """Return a law of each state, the best first: of several kinds the simplest that foretells."""
+        """Return a law of each state, the best first: of several kinds the simplest that predicts."""
         return sorted((self._of(each) for each in self.states.values), key=lambda law: -law.predictive)
 
     def _of(self, of: str) -> Law:

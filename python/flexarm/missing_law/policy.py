@@ -29,7 +29,7 @@ class LawPolicy:
     """Times that the residual is simulated about the latent motion [1]."""
     curve_knots: int = 41
     """Knots of a curve over its state [1]: a peak a tenth of the range wide has four."""
-    dense: float = 2.5
+    knot_density: float = 2.5
     """Density a of knots at zero of rate or torque [-]: at the ends they are cosh a as far apart."""
     curve_lengths: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0)
     """Correlation lengths of a curve over the range of its state [-]."""
@@ -46,18 +46,18 @@ class LawPolicy:
     least_share: float = 0.5
     """Part of what the latent motion explains [-] that a law explains."""
     clear_share: float = 0.9
-    """The same [-] from which a curve is told though a motion in time foretells the linear data better."""
+    """The same [-] from which a curve is told though a motion in time predicts the linear data better."""
     memory_share: float = 0.02
     """The same [-] that two branches, or an instant, explain beyond one curve."""
     shape_error: float = 0.1
     """Rms difference from a known shape over the peak [-] up to which a curve has that shape."""
     most_laws: int = 4
     """Laws that are reported [1]."""
-    line: float = 3.0
+    line_prior: float = 3.0
     """Prior deviation of a straight part of a curve over the size of the rest [-]: wide."""
     refits: int = 4
     """Most Gauss-Newton steps of the knots of a law through the simulation [1]."""
-    rest: float = 1.0
+    convergence: float = 1.0
     """Squared change of the residual over its noise [-] at which steps end: none moves by its deviation."""
     law_step: float = 0.05
     """Perturbation of a law for a difference quotient over its peak [-]: larger than its wiggles."""

@@ -1,4 +1,4 @@
-"""Gap of records with a law: the motion that it foretells is put into the drive.
+"""Gap of records with a law: the motion that it predicts is put into the drive.
 
 A law needs the states of the run that it moves. A run without it gives the first ones, its own runs the next;
 these are means over `policy.window`, so that rounds converge at the first mode.
@@ -25,7 +25,7 @@ from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.law import Law
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.states import states_of
-from flexarm.missing_law.windup import added
+from flexarm.missing_law.windup import drive_plus
 
 if TYPE_CHECKING:
     from flexarm.record import Record
@@ -64,9 +64,9 @@ def _gap(
     for k, (name, record) in enumerate(records.items()):
         if record.kind != "motion":
             continue
-        plain, wound = _runs(latent, law, runs, name, k if fitted else -1, policy)
+        plain, with_windup = _runs(latent, law, runs, name, k if fitted else -1, policy)
         before[name] = compare(plain.arm, record, simulation=plain)
-        after[name] = compare(plain.arm, record, simulation=wound)
+        after[name] = compare(plain.arm, record, simulation=with_windup)
     if not any(signal in each.signals for each in before.values()):
         return LawGap()
     return LawGap(**asdict(pooled_gap(before, after, before, signal)))
@@ -94,5 +94,5 @@ def _runs(
             for key, values in states.items()
         }
         motion = basis.nearest(fine, law.values(slow, fine, number))
-        run = runs.driven(name, arm, {joint: added(drive, basis.polynomial(motion))}).simulation
+        run = runs.driven(name, arm, {joint: drive_plus(drive, basis.polynomial(motion))}).simulation
     return plain, run

@@ -80,13 +80,13 @@ def fitted_law(estimator: Estimator, fit: Fit, law: TabulatedLaw, policy: LawPol
     for _ in range(policy.refits):
         if not allows("a missing law was fitted until it rests"):
             break
-        moved = here.towards(step, policy)
+        moved = here.accepted(step, policy)
         if moved is None:
             break
         here, step = moved, moved.step(policy)
-        if step.rests(policy):
+        if step.converged(policy):
             break
-    return here.told(step)
+    return here.fitted_law(step)
 
 
 def _member(law: TabulatedLaw) -> Candidate:
@@ -97,7 +97,7 @@ def _member(law: TabulatedLaw) -> Candidate:
 def curve_root(knots: Floats, length: float, policy: LawPolicy) -> Floats:
     """Return a root of K of (1) for a branch, for a length over the range of the knots, shape (k, k + 2)."""
     across = 2 * (knots - knots[0]) / (knots[-1] - knots[0]) - 1
-    line = policy.line * np.column_stack([np.ones_like(across), across])
+    line = policy.line_prior * np.column_stack([np.ones_like(across), across])
     return np.column_stack([curve_matern(len(knots), length), line])
 
 
@@ -173,9 +173,9 @@ class _Step:
     moves: float
     """Squared change of the residual over its noise."""
 
-    def rests(self, policy: LawPolicy) -> bool:
+    def converged(self, policy: LawPolicy) -> bool:
         """Return True if the step changes next to nothing."""
-        return self.moves < policy.rest
+        return self.moves < policy.convergence
 
     def part(self, t: float, here: _Linearised) -> _Step:
         """Return a part of the step from a model."""
@@ -310,20 +310,20 @@ class _Linearised:
         latent = np.linalg.lstsq(step.mixture.prior, step.values, rcond=None)[0]
         return float((rest @ rest + pulls @ pulls) / step.mixture.model.noise + latent @ latent)  # eq. (2)
 
-    def towards(self, step: _Step, policy: LawPolicy) -> _Linearised | None:
+    def accepted(self, step: _Step, policy: LawPolicy) -> _Linearised | None:
         """Return the model after a step, halved until (2) falls; None if it does not."""
         before = self.objective(step.part(0.0, self))
         for t in (1.0, 0.5, 0.25):
             part = step.part(t, self)
             try:
                 if self.objective(part) < before:
-                    kept = self.by_modes if self.foretells(part) else None
+                    kept = self.by_modes if self.is_linear(part) else None
                     return self.about(self.moved(part), self.members(part), policy, kept)
             except FIT_ERRORS:
                 continue
         return None
 
-    def foretells(self, step: _Step) -> bool:
+    def is_linear(self, step: _Step) -> bool:
         """Return True if the derivatives miss a sigma of a single value, or a small part of what moves."""
         move = (self.moved(step).residual(self.members(step)) - self.fit.residual) / self.scale
         missed = move - self.change(step)
@@ -336,7 +336,7 @@ class _Linearised:
         )
         return np.asarray(by_law + self.fit.jacobian @ (step.z - self.fit.z) / self.scale)
 
-    def told(self, step: _Step) -> FittedLaw:
+    def fitted_law(self, step: _Step) -> FittedLaw:
         """Return the law at the mean of (1) with deviations of all that was fitted."""
         members = self.members(step)
         law = members[-1].effect

@@ -71,7 +71,7 @@ class MissingLaws:
     curves: tuple[LawCurve, ...] = ()
     """The most probable first."""
     added: AddedLaw | None = None
-    """The first of them that is a table of the model and foretells what was held out."""
+    """The first of them that is a table of the model and predicts what was held out."""
     why: str = ""
     """Why there are none; empty if there are some."""
 
@@ -82,7 +82,7 @@ class MissingLaws:
 
 
 @dataclass(frozen=True, eq=False)
-class _Told:
+class _Candidate:
     """A curve, and the law as a part of the model if it is one."""
 
     curve: LawCurve
@@ -113,8 +113,8 @@ def missing_laws(
     tried: list[MissingLaws] = []
     evidence: list[float] = []
     for fit in fits:
-        about = _About(estimator, fit, check, policy)
-        found = [_as_foretold(each) for each in about.laws()]
+        about = _Inference(estimator, fit, check, policy)
+        found = [_unless_worse(each) for each in about.laws()]
         fitted = (each for each in found if each.added is not None)
         added = next((each.added for each in fitted if check.accepts(each.curve.held_out, policy)), None)
         tried.append(MissingLaws(tuple(each.curve for each in found), added, "" if found else NOTHING))
@@ -125,13 +125,13 @@ def missing_laws(
     return next((tried[k] for k in likely if tried[k].has_state), tried[-1])
 
 
-def _as_foretold(told: _Told) -> _Told:
+def _unless_worse(told: _Candidate) -> _Candidate:
     """Return a law as none if the gap that was held out grows with it."""
     gap = told.curve.held_out
     if gap.before_rms is None or gap.after_rms is None or gap.after_rms <= gap.before_rms:
         return told
     says = f"{told.curve.says}, but with it the held-out gap grows"
-    return _Told(replace(told.curve, kind="none", says=says))
+    return _Candidate(replace(told.curve, kind="none", says=says))
 
 
 def not_inferred(problem: Problem, arm: Arm) -> str:
@@ -155,7 +155,7 @@ def law_remarks(laws: MissingLaws, best: Fit) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class _About:
+class _Inference:
     """Laws about one model."""
 
     estimator: Estimator
@@ -184,7 +184,7 @@ class _About:
         cost = 0.5 * len(self.fit.z) * float(np.log(len(self.problem))) + scale
         return max((each.model.log_evidence for each in self.latents), default=-np.inf) - cost
 
-    def laws(self) -> list[_Told]:
+    def laws(self) -> list[_Candidate]:
         """Return the laws of the places that explain alike."""
         known = [each for each in self.latents if each.gain > self.policy.evidence]
         if not known:
@@ -195,32 +195,32 @@ class _About:
         near = [each for each in known if each.model.log_evidence > best - thresholds.reach]
         near.sort(key=lambda each: -each.model.log_evidence)
         shares = _shares([each.model.log_evidence for each in near], thresholds.most_certain)
-        laws: list[_Told] = []
+        laws: list[_Candidate] = []
         for latent, share in zip(near, shares, strict=True):
             laws += self._of_place(latent, share)
         laws.sort(key=lambda each: each.curve.kind in STATELESS)
         return laws[: self.policy.most_laws]
 
-    def _of_place(self, latent: Latent, probability: float) -> list[_Told]:
+    def _of_place(self, latent: Latent, probability: float) -> list[_Candidate]:
         """Return the laws of a place: the best state's, and a torque that acts as its windup does."""
         in_time = curve_in_time(latent, probability)
         slow = latent.length >= max(self.policy.lengths)
         if latent.response is None:
             says = f"the {latent.quantity} of {latent.at} explains the gap; it is no part of the model"
-            return [_Told(replace(in_time, kind="time" if slow else "none", says=says))]
+            return [_Candidate(replace(in_time, kind="time" if slow else "none", says=says))]
         search = LawSearch(latent, joint_states(latent, self.policy), self.problem, self.fit, self.policy)
         best = next(iter(search.best()), None)
         if best is None:
-            return [_Told(replace(in_time, kind="none", says=f"no state of {latent.at} changes"))]
+            return [_Candidate(replace(in_time, kind="none", says=f"no state of {latent.at} changes"))]
         in_blocks = latent.model.predictive(search.blocks)
         share = search.share(best)
-        foretells = best.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share
-        if share < self.policy.least_share or not foretells:
+        predicts = best.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share
+        if share < self.policy.least_share or not predicts:
             kind: LawKind = "time" if slow and in_blocks > best.predictive else "none"
             what = (
                 "drifts with time" if kind == "time" else f"follows no state: {best.of} explains {share:.0%}"
             )
-            return [_Told(replace(in_time, kind=kind, says=f"the windup of {latent.at} {what}"))]
+            return [_Candidate(replace(in_time, kind=kind, says=f"the windup of {latent.at} {what}"))]
         told = self._as_table(latent, search, best) or self._along_states(latent, search, best)
         shares = _shares([each.evidence for each in told], 1.0)
         return [
@@ -228,12 +228,12 @@ class _About:
             for each, share in zip(told, shares, strict=True)
         ]
 
-    def _as_table(self, latent: Latent, search: LawSearch, best: Law) -> list[_Told]:
+    def _as_table(self, latent: Latent, search: LawSearch, best: Law) -> list[_Candidate]:
         """Return the law of a state, fitted through the simulation; one curve in place of two, if it leaves
         noise alone.
         """
         law = best if best.kind == "law" else search.law(best.of)
-        told: list[_Told] = []
+        told: list[_Candidate] = []
         if search.share(law) >= self.policy.least_share:
             told = list(self._fitted(latent, law, self._curves(latent, search, law)))
         if best.kind == "law":
@@ -246,14 +246,14 @@ class _About:
         curve, stiffness = curve_of_law(latent, search, law, self.policy), stiffness_of(latent)
         return [as_torque(curve, stiffness), curve] if law.of != "torque" and stiffness else [curve]
 
-    def _along_states(self, latent: Latent, search: LawSearch, law: Law) -> list[_Told]:
+    def _along_states(self, latent: Latent, search: LawSearch, law: Law) -> list[_Candidate]:
         """Return laws that are no part of a model, with the gap that they leave along their states."""
-        held_out = self.check.bench.held_out
+        held_out = self.check.records.held_out
         train, held = gaps_with_law(latent, law, self.problem, held_out, self.check.signal, self.policy)
         curves = self._curves(latent, search, law)
-        return [_Told(replace(each, train=train, held_out=held)) for each in curves]
+        return [_Candidate(replace(each, train=train, held_out=held)) for each in curves]
 
-    def _fitted(self, latent: Latent, law: Law, curves: Sequence[LawCurve]) -> Iterator[_Told]:
+    def _fitted(self, latent: Latent, law: Law, curves: Sequence[LawCurve]) -> Iterator[_Candidate]:
         """Yield laws that are tables of a model, fitted through the simulation."""
         has_one = self.fit.nuisance.arm.effect(TabulatedLaw.name, latent.at) is not None
         if law.of == "motor_angle" or has_one or law.only >= 0:
@@ -275,7 +275,7 @@ class _About:
             told = replace(
                 curve_of_fit(curve, fitted, stiffness, self.policy), train=train, held_out=held_out
             )
-            yield _Told(told, AddedLaw(fitted, arm))
+            yield _Candidate(told, AddedLaw(fitted, arm))
 
 
 def _table(law: Law, curve: LawCurve, stiffness: float) -> TabulatedLaw:

@@ -31,7 +31,7 @@ from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.comparison.simulated_record import SimulatedRecord, rotation_between
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.residual_rows import put_over_noise
+from flexarm.diagnosis.residual_rows import write_over_noise
 from flexarm.drive import Drive, JointDrive
 from flexarm.measurement.slopes import predict_slopes
 from flexarm.missing_law.basis import Basis, PoseBasis, basis_of
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import PPoly
 
 
-def added(drive: JointDrive, extra: PPoly) -> JointDrive:
+def drive_plus(drive: JointDrive, extra: PPoly) -> JointDrive:
     """Return a drive plus a piecewise polynomial; both are held before and after."""
     from scipy.interpolate import PPoly
 
@@ -96,7 +96,7 @@ class WindupResponse:
             if isinstance(basis, PoseBasis):
                 moved, nothing = coarse.residual(arm).copy(), coarse.residual(arm)
                 turned = policy.perturbation * np.ones(len(basis))
-                coarse.write_residual(moved, name, wound_run(coarse, arm, name, joint, basis, turned))
+                coarse.write_residual(moved, name, run_with_windup(coarse, arm, name, joint, basis, turned))
                 for rows in coarse.rows_of(name):
                     row = np.arange(rows.where.start, rows.where.stop)
                     change = (moved - nothing)[rows.where] / policy.perturbation
@@ -132,7 +132,7 @@ class WindupResponse:
 
     def run(self, name: str, coefficients: Floats) -> SimulatedRecord:
         """Return the run of a record with a latent motion."""
-        return wound_run(self.problem, self.arm, name, self.joint, self.bases[name], coefficients)
+        return run_with_windup(self.problem, self.arm, name, self.joint, self.bases[name], coefficients)
 
 
 def _slopes(problem: Problem, arm: Arm, name: str, joint: str, splines: Sequence[PPoly]) -> Floats:
@@ -154,7 +154,7 @@ def _slopes(problem: Problem, arm: Arm, name: str, joint: str, splines: Sequence
         after = [rotation_between(signal.values, shown + part * slopes[..., k]) for k in range(len(splines))]
         return np.stack([(each - before) / part for each in after], axis=-1)
 
-    put_over_noise(found, problem.rows_of(name), of_signal)
+    write_over_noise(found, problem.rows_of(name), of_signal)
     return found
 
 
@@ -177,12 +177,12 @@ def start_of(problem: Problem, arm: Arm, name: str) -> float:
     return problem.simulations.drive(name, record.applied_to(arm)).start
 
 
-def wound_run(
+def run_with_windup(
     problem: Problem, arm: Arm, name: str, joint: str, basis: Basis, coefficients: Floats
 ) -> SimulatedRecord:
     """Return the run of a record with a windup on a joint's drive."""
     if isinstance(basis, PoseBasis):
         return problem.simulations.turned(name, arm, joint, coefficients)
     drive = problem.simulations.drive(name, problem.records[name].applied_to(arm))
-    wound = added(drive.joints[joint], basis.polynomial(coefficients))
-    return problem.simulations.driven(name, arm, {joint: wound})
+    with_windup = drive_plus(drive.joints[joint], basis.polynomial(coefficients))
+    return problem.simulations.driven(name, arm, {joint: with_windup})

@@ -5,14 +5,14 @@ from diagnoses import nominal, record, with_spring
 
 from flexarm.comparison.compare import compare
 from flexarm.diagnosis import verification
-from flexarm.diagnosis.verification import Bench
+from flexarm.diagnosis.verification import SplitRecords
 from flexarm.validation import initial_alignment as runs
 from flexarm.validation.sensor_check import check
 
 
-def test_a_bench_simulates_with_the_damping_that_it_is_given():
-    bench = Bench({"swing": record(1)}, {}, step=0.01, alpha=0.0, jobs=1)
-    [seen] = bench.aligned(nominal()).values()
+def test_records_are_simulated_with_the_damping_that_they_are_given():
+    records = SplitRecords({"swing": record(1)}, {}, step=0.01, alpha=0.0, jobs=1)
+    [seen] = records.aligned(nominal()).values()
     assert (seen.simulated.simulation.solver["step"], seen.simulated.simulation.solver["alpha"]) == (
         0.01,
         0.0,
@@ -20,16 +20,16 @@ def test_a_bench_simulates_with_the_damping_that_it_is_given():
 
 
 def test_the_gap_of_a_run_is_that_of_a_comparison():
-    bench = Bench({"swing": record(1)}, {"other": record(2)}, step=0.01, alpha=0.0, jobs=1)
-    found = bench.in_all(nominal())
+    records = SplitRecords({"swing": record(1)}, {"other": record(2)}, step=0.01, alpha=0.0, jobs=1)
+    found = records.gaps(nominal())
     assert found.keys() == {"swing", "other"}
     assert str(found["other"]) == str(compare(nominal(), record(2), step=0.01, alpha=0.0))
 
 
 def test_gaps_before_and_after_are_split_in_the_same_bands():
     """A spring lowers the first mode, about which `compare` lays the bands of the softer model."""
-    bench = Bench({"swing": record(1)}, {}, step=0.01, alpha=0.0, jobs=1)
-    found = verification.verified(bench, nominal(), with_spring(), [], [], open_gap=False)
+    records = SplitRecords({"swing": record(1)}, {}, step=0.01, alpha=0.0, jobs=1)
+    found = verification.verified(records, nominal(), with_spring(), [], [], open_gap=False)
     own = compare(with_spring(), record(1), step=0.01, alpha=0.0)
     before, after, alone = (
         each.signals["tip"].bands for each in (found.before["swing"], found.after["swing"], own)
@@ -48,9 +48,9 @@ def test_a_verification_simulates_and_aligns_a_record_once_for_a_model(monkeypat
 
     whole = verification.simulate_record
     monkeypatch.setattr(verification, "simulate_record", simulate_record)
-    bench = Bench({"swing": record(1)}, {"other": record(2)}, step=0.01, alpha=0.0, jobs=1)
+    records = SplitRecords({"swing": record(1)}, {"other": record(2)}, step=0.01, alpha=0.0, jobs=1)
     arm = nominal()
-    verification.verified(bench, arm, arm.replace(name="updated"), [], [], open_gap=True)
+    verification.verified(records, arm, arm.replace(name="updated"), [], [], open_gap=True)
     assert len(runs) == len(set(runs)) == 4
 
 

@@ -15,7 +15,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.missing_law.base import base_responses
-from flexarm.missing_law.latent import Latent, _offset, latent_motions, most_of_offset
+from flexarm.missing_law.latent import Latent, _offset, latent_motions, offset_evidence_bound
 from flexarm.missing_law.policy import LawPolicy
 
 QUICK = LawPolicy(spacing=0.5)
@@ -110,10 +110,10 @@ def test_an_offset_that_cannot_come_near_the_likeliest_joint_is_left_out():
     fit = Estimator.nominal(problem, nuisance_model(problem)).fit(())
     found = {each.at: each.model.log_evidence for each in latent_motions(problem, fit, QUICK)}
     assert "mid" not in found
-    assert most_of_offset("mid", problem, fit) < found["hinge"] - problem.policy.reach
+    assert offset_evidence_bound("mid", problem, fit) < found["hinge"] - problem.policy.reach
     for signal in ("tip", "mid"):
         evidence = _offset(signal, problem, fit, QUICK).model.log_evidence
-        assert evidence < most_of_offset(signal, problem, fit)
+        assert evidence < offset_evidence_bound(signal, problem, fit)
 
 
 def test_the_offset_of_a_sensor_has_the_sign_of_its_readings():

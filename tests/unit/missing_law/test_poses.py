@@ -15,7 +15,7 @@ from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.verification import Bench
+from flexarm.diagnosis.verification import SplitRecords
 from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.latent import latent_motions
 from flexarm.missing_law.policy import LawPolicy
@@ -107,7 +107,7 @@ def found_of(law: Callable[..., Floats], other: Callable[..., Floats]) -> Missin
     training, held_out = {"a": record(law, 60, 1), "b": record(law, 60, 2)}, {"c": record(other, 60, 3)}
     problem = Problem(nominal(), training, jobs=1)
     estimator = Estimator.nominal(problem, nuisance_model(problem))
-    check = LawCheck(Bench(training, held_out, 2e-3, -0.05, 1), nominal(), nominal(), "tip")
+    check = LawCheck(SplitRecords(training, held_out, 2e-3, -0.05, 1), nominal(), nominal(), "tip")
     return missing_laws(estimator, [estimator.fit(())], check)
 
 

@@ -19,7 +19,7 @@ POLICY = LawPolicy()
 @pytest.mark.parametrize("length", POLICY.curve_lengths)
 def test_any_straight_line_is_likely_beside_a_curve_of_any_length(length):
     """A line from -3 to 3 sizes is one deviation of the prior or less."""
-    line = POLICY.line * np.linspace(-1.0, 1.0, len(KNOTS))
+    line = POLICY.line_prior * np.linspace(-1.0, 1.0, len(KNOTS))
     latent = np.linalg.lstsq(curve_root(KNOTS, length, POLICY), line, rcond=None)[0]
     assert latent @ latent <= 1 + 1e-9
 
@@ -38,7 +38,7 @@ def test_knots_of_a_rate_are_dense_where_it_changes_its_sign():
     assert knots[0] < -0.8 and knots[-1] > 1.1
     steps = np.diff(knots)
     assert np.all(steps > 0)
-    assert steps.max() / steps.min() == pytest.approx(np.cosh(POLICY.dense), rel=0.1)
+    assert steps.max() / steps.min() == pytest.approx(np.cosh(POLICY.knot_density), rel=0.1)
     assert abs(knots[np.argmin(steps)]) < 0.05
     assert np.ptp(np.diff(knots_over("angle", rates, POLICY))) < 1e-12
 

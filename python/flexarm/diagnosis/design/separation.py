@@ -67,14 +67,14 @@ class Responses:
         return Responses(self.nuisance, self.jacobian[rows], probed)
 
     def of(self, places: Sequence[tuple[str, str]]) -> Responses:
-        """With some of the effects, in the order of the bench."""
+        """With some of the effects, in the order of these responses."""
         wanted = set(places)
         return Responses(
             self.nuisance, self.jacobian, tuple(p for p in self.probed if p.candidate.spot in wanted)
         )
 
     def stacked_with(self, other: Responses) -> Responses:
-        """With the rows of another bench below; effects of which all variants are in both."""
+        """With the rows of other responses below; effects of which all variants are in both."""
         below = {_key(p.candidate): p.moves for p in other.probed}
         lost = {p.candidate.spot for p in self.probed if _key(p.candidate) not in below}
         probed = tuple(
@@ -280,7 +280,7 @@ class VirtualExperiments:
     def _added(
         self, responses: Responses, rows: PlannedRows, addition: Addition, wanted: Sequence[tuple[str, str]]
     ) -> Responses:
-        """Return the bench with an addition, for some effects."""
+        """Return the responses with an addition, for some effects."""
         kept = responses.of(wanted)
         if addition.sensors:
             return kept.only(rows.all(sensor.name for sensor in addition.sensors))
