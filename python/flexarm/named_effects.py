@@ -75,6 +75,8 @@ class Nuisance:
     name: str
     at: str
     parameters: tuple[Estimate, ...]
+    undetermined: tuple[str, ...] = ()
+    """Names of the parameters that the data leave as they are stated."""
 
 
 @dataclass(frozen=True)

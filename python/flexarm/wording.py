@@ -145,6 +145,18 @@ def place_words(name: str, at: str | Sequence[str]) -> str:
     return f"{effect_words(name)} at {listed(at) if said else f'{kind}s {listed(at)}'}"
 
 
+def reference_words(name: str) -> str:
+    """Return what the error of a clock or frame is told against; empty for other effects.
+
+    >>> reference_words("time_delay"), reference_words("backlash")
+    (", against the drive's clock", '')
+    """
+    kind = KNOWN_EFFECTS.get(name, "")
+    if kind == "frame":
+        return ", against its stated pose, in the base's axes"
+    return ", against the drive's clock" if "clock" in kind else ""
+
+
 def probability(value: float) -> str:
     """Return a probability that never claims to be certain.
 

@@ -109,7 +109,15 @@ def of_effects(**changes: object) -> Diagnosis:
         "arm": nominal(),
         "updated": with_spring(),
         "effects": (named,),
-        "nuisances": (Nuisance("time_delay", "tracker", (estimate("delay", 1e-3, "s"),)),),
+        "nuisances": (
+            Nuisance("time_delay", "tracker", (estimate("delay", 1e-3, "s"),)),
+            Nuisance(
+                "frame_registration",
+                "tracker",
+                (estimate("rotation.y", 2e-4, "rad"), Estimate.normal("rotation.x", 0.0, 5e-4, "rad")),
+                ("rotation.x",),
+            ),
+        ),
         "refined": (Refined("links.rod.material.youngs_modulus", 2.08e11, 1e9, 2.1e11, "Pa"),),
         "rejected": (
             Rejected("base_compliance", "base", -812.4, "its optimum lies outside of what is plausible"),

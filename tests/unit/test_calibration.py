@@ -136,7 +136,32 @@ def test_files_are_read_again(found, tmp_path):
 def test_the_updated_model_has_the_estimates_and_no_registration(found):
     assert found.updated.effect("frame_registration", "tracker") is None
     spring = found.updated.effect("joint_compliance", "j2")
-    assert spring.stiffness == found.parameter("effects.joint_compliance.j2.stiffness").value
+    told = found.parameter("effects.joint_compliance.j2.stiffness")
+    assert spring.stiffness == approx(told.value, abs=1e-3 * told.std)
+    assert len(repr(spring.stiffness)) < 9  # digits that mean something
+
+
+def test_a_zero_that_the_data_do_not_tell_from_none_is_not_in_the_updated_model():
+    """An encoder at the output reads as the motor's does, which the joint has in common with no spring."""
+    rng, names = np.random.default_rng(5), np.array([str(k) for k in range(30)])
+    drives = [
+        Signal(name=joint, quantity="joint_angle", joint=joint, side="motor", pose=names, file="joints.csv",
+               values=rng.uniform(-1.5, 1.5, (30, 1)))
+        for joint in JOINTS
+    ]  # fmt: skip
+    output = drives[1].replace(name="out", side="output", noise_std=1e-4, file="out.csv",
+                               values=drives[1].values + 1e-4 * rng.standard_normal((30, 1)))  # fmt: skip
+    tip = Signal(name="tip", quantity="position", point="tip", values=np.zeros((30, 3)), pose=names,
+                 noise_std=NOISE, file="tip.csv")  # fmt: skip
+    bare = Record(kind="static", signals=[*drives, output, tip], drive=JOINTS)
+    seen = solve_poses(robot(), bare).position[:, 0] + NOISE * rng.standard_normal((30, 3))
+    found = flexarm.calibrate(
+        robot(), bare.replace(signals=[*drives, output, tip.replace(values=seen)]), [], jobs=1
+    )
+    zero = found.parameter("effects.sensor_offset.out.offset")
+    assert abs(zero.value) < zero.std < 1e-4
+    assert found.updated.effects == ()
+    assert found.updated.uncertainty == robot().uncertainty
 
 
 @pytest.mark.parametrize(

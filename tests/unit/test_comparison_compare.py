@@ -138,6 +138,10 @@ def test_what_planar_data_do_not_determine_keeps_its_prior_and_is_said(run):
         "rotation of tracker about z",
     ]
     assert any("rotation of tracker about x" in note for note in found.notes)
+    table, _, _ = found.summary().partition("note:")
+    assert "rotation of tracker about y" in table
+    assert "rotation of tracker about x" not in table
+    assert "frames against their stated poses, in the base's axes" in table
 
 
 def test_a_tracker_slower_than_the_mode_sees_no_gap_either():

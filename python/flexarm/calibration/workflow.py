@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from itertools import count
 from math import exp
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
+from flexarm.arm.parameter import path_of, with_value
 from flexarm.arrays import Floats
 from flexarm.budget import current, limited
 from flexarm.calibration.estimates import (
@@ -39,8 +41,8 @@ from flexarm.diagnosis.noise_model import (
 from flexarm.diagnosis.nuisance import first_guess, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.sensors import with_zeros
-from flexarm.diagnosis.verification import SplitRecords, main_signal
+from flexarm.diagnosis.sensors import is_zero, with_zeros, without_idle_zeros
+from flexarm.diagnosis.verification import SplitRecords, main_signal, rounded_to_std
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.named_effects import NORMAL_90
@@ -149,16 +151,18 @@ def _calibration(
         estimation, estimation.centre, lambda what: tell(0.9 * (1 - share ** next(steps)), what)
     )[-1]
     tell(0.9, "verifying")
-    updated = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)
+    order = _order(posterior)
+    told = tuple(_parameter(posterior, k) for k in order)
+    model = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)
+    updated = without_idle_zeros(_rounded(model, uncertain, told), arm)
     split_records = SplitRecords(parted.training, parted.held_out, step, alpha, workers)
     before = split_records.gaps(arm)
     after = split_records.gaps(updated, before)
-    order = _order(posterior)
     std = np.sqrt(np.diag(posterior.covariance))
     return Calibration(
         arm,
         updated,
-        tuple(_parameter(posterior, k) for k in order),
+        told,
         (posterior.covariance / np.outer(std, std))[np.ix_(order, order)],
         tuple(_family(posterior, family) for family in posterior.estimation.families),
         _frames(posterior),
@@ -203,6 +207,19 @@ def _without_registrations(model: Arm, nominal: Arm, posterior: Posterior) -> Ar
     for name, at in dict.fromkeys((key.split(".")[1], key.split(".")[2]) for key in keys):
         stated = nominal.effect(name, at)
         model = model.without_effect(name, at) if stated is None else model.with_effect(stated)
+    return model
+
+
+def _rounded(model: Arm, uncertain: Arm, told: Iterable[CalibratedParameter]) -> Arm:
+    """Return the model with rounded values; zeros of sensors that no data move are as they were."""
+    for each in told:
+        value = rounded_to_std(each.value, each.std)
+        if each.kind == "nominal" and is_zero(each.name):
+            nominal = path_of(uncertain, each.name).get(uncertain)
+            value = nominal if abs(each.value - nominal) < each.std else value
+        if each.kind in ("family", "nominal"):
+            with suppress(InvalidParameter):  # so near a limit that it stays as it is
+                model = with_value(model, each.name, value)
     return model
 
 

@@ -84,13 +84,15 @@ class Comparison:
         lines = [title, "", *self._gap_table(), "", *self._band_table()]
         rows = list(zip(self.aligned.parameters, self.aligned.values, self.aligned.std, strict=True))
         if rows:
-            lines += ["", "aligned, +- 1 sigma from noise alone (as stated)"]
+            against = "clocks against the drive's, frames against their stated poses, in the base's axes"
+            lines += ["", f"aligned: {against}; +- 1 sigma from noise alone (as stated)"]
             lines += [
                 f"  {u!s:<36}{_rounded_to(value, std):>12} +- {_sigma(std, 'any'):>8}  "
                 f"({_sigma(u.sigma, 'unknown')}) {u.unit}"
                 for u, value, std in rows
-                if u.kind == "delay"
-                or u.place not in self.frames  # of a found frame its pose is told, not how far from a guess
+                if str(u) not in self.aligned.undetermined  # these are told in a note
+                # of a found frame its pose is told, not how far from a guess
+                and (u.kind == "delay" or u.place not in self.frames)
             ]
         for name, pose in self.frames.items():
             found = [

@@ -175,7 +175,7 @@ def set_zeros(arm: Arm, refined: Iterable[Refined], stated: Arm) -> tuple[Arm, t
     A zero is no physics: it is taken along also where no model explains the rest.
     """
     own = {(effect.name, effect.at) for effect in stated.effects}
-    kept = [each for each in refined if _is_zero(each.parameter) and _place(each.parameter) not in own]
+    kept = [each for each in refined if is_zero(each.parameter) and _place(each.parameter) not in own]
     for each in kept:
         arm = with_value(arm, each.parameter, each.value)
     return arm, tuple(kept)
@@ -187,7 +187,8 @@ def _place(key: str) -> tuple[str, str]:
     return name, at
 
 
-def _is_zero(key: str) -> bool:
+def is_zero(key: str) -> bool:
+    """Return True if a parameter is the zero of an encoder or sensor."""
     return key.startswith(tuple(f"effects.{kind.name}." for kind in (EncoderOffset, SensorOffset)))
 
 
@@ -202,7 +203,7 @@ def without_idle_zeros(arm: Arm, stated: Arm) -> Arm:
         and not effect.offset
     }
     kept = {
-        key: sigma for key, sigma in arm.uncertainty.items() if not (_is_zero(key) and _place(key) in idle)
+        key: sigma for key, sigma in arm.uncertainty.items() if not (is_zero(key) and _place(key) in idle)
     }
     effects = tuple(effect for effect in arm.effects if (effect.name, effect.at) not in idle)
     return arm.replace(effects=effects, uncertainty=kept) if idle else arm

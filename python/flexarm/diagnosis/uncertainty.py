@@ -30,7 +30,7 @@ with the model's stated sigma. A value is determined by the data if they leave l
 
 **Practically unidentifiable values** move along with others. They go back to their nominal values, all
 together, unless the gap on the training grows by it: of five lengths of which only the sum shows, each is
-unidentifiable.
+unidentifiable. So does the zero of a sensor that lies within its standard deviation of the nominal one.
 
 **Estimates at bounds.** Bounds of a fit lie far beyond what is plausible (`diagnosis.candidate`). An estimate
 at its bound is no size: the limit of the law fits best. Only a payload may vanish.
@@ -50,11 +50,13 @@ import numpy as np
 
 from flexarm.arm.parameter import with_value
 from flexarm.arrays import Floats
+from flexarm.comparison.align import KEPT
 from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.evidence import evidence_of, simulation_errors
 from flexarm.diagnosis.fit import Fit, NormalEquations, joint_jacobian
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.result import Refinement, stated_sigma
+from flexarm.diagnosis.sensors import is_zero
 from flexarm.named_effects import NORMAL_90, Estimate, Nuisance, Refined
 from flexarm.wording import listed, place_words, with_unit
 
@@ -148,6 +150,7 @@ def whole_turns(phase: float) -> float:
 def _of_unknowns(fit: Fit, sigma: Floats) -> tuple[tuple[Nuisance, ...], tuple[Refined, ...]]:
     best = fit.projection.solve(fit.residual)
     nuisances: dict[tuple[str, str], list[Estimate]] = {}
+    left_open: set[tuple[str, str, str]] = set()
     refined = []
     for unknown, x, std in zip(fit.nuisance.parameters, best.tolist(), sigma.tolist(), strict=True):
         if unknown.kind == "start":
@@ -158,7 +161,13 @@ def _of_unknowns(fit: Fit, sigma: Floats) -> tuple[tuple[Nuisance, ...], tuple[R
             continue
         name = f"angle.{unknown.key[-1]}" if unknown.kind == "base" else unknown.key.split(".", 3)[3]
         nuisances.setdefault(unknown.place, []).append(Estimate.normal(name, value, std, unknown.unit))
-    return tuple(Nuisance(*place, tuple(each)) for place, each in nuisances.items()), tuple(refined)
+        if not std < KEPT * unknown.sigma:
+            left_open.add((*unknown.place, name))
+    found = (
+        Nuisance(*place, tuple(each), tuple(e.name for e in each if (*place, e.name) in left_open))
+        for place, each in nuisances.items()
+    )
+    return tuple(found), tuple(refined)
 
 
 GROWTH = 0.01
@@ -175,9 +184,7 @@ def restore_unidentifiable(
 
     `gaps` returns the gap of a model by training record.
     """
-    open_ones = [
-        each for each in refined if not Refinement(each, stated_sigma(arm, each.parameter)).determined
-    ]
+    open_ones = [each for each in refined if _is_open(each, arm)]
     if updated is arm or not open_ones:
         return updated, refined
     back = updated
@@ -186,6 +193,12 @@ def restore_unidentifiable(
     if _grows(gaps(updated), gaps(back)):
         return updated, refined
     return back, tuple(replace(each, value=each.nominal) if each in open_ones else each for each in refined)
+
+
+def _is_open(refined: Refined, arm: Arm) -> bool:
+    """Return True if the data leave a value open, or a zero of a sensor where it was."""
+    idle = is_zero(refined.parameter) and abs(refined.value - refined.nominal) < refined.std
+    return idle or not Refinement(refined, stated_sigma(arm, refined.parameter)).determined
 
 
 def _grows(before: Mapping[str, Comparison], after: Mapping[str, Comparison]) -> bool:

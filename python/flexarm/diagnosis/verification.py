@@ -53,7 +53,7 @@ def _written(change: Callable[[Rounding], Arm]) -> Arm:
     allowed.
     """
     try:
-        return change(_rounded)
+        return change(rounded_to_std)
     except InvalidParameter:
         return change(lambda value, _: value)
 
@@ -74,7 +74,7 @@ def moved(refined: Refined) -> bool:
     return abs(refined.value - refined.nominal) > 1e-3 * refined.std
 
 
-def _rounded(value: float, std: float) -> float:
+def rounded_to_std(value: float, std: float) -> float:
     """Return a value to a thousandth of its standard deviation, so that files do not feign more."""
     return value if not std > 0 else round(value, 3 - int(np.floor(log10(std))))
 

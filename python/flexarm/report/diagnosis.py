@@ -30,7 +30,7 @@ from flexarm.report.sentences import (
 )
 from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints, states_drawn
 from flexarm.report.storage import GAPS, MODEL, REPORT, gap_contents
-from flexarm.wording import interval, listed, place_words, probability, signed, with_unit
+from flexarm.wording import interval, listed, place_words, probability, reference_words, signed, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -254,8 +254,10 @@ def _nuisances(diagnosis: Diagnosis) -> list[str]:
     title = "clocks and frames, fitted along: within stated sigmas, or freely where unknown"
     lines = [title] if diagnosis.nuisances else []
     for nuisance in diagnosis.nuisances:
-        lines.append(f"  {place_words(nuisance.name, nuisance.at)}")
-        lines += [f"  {_row(each)}" for each in nuisance.parameters]
+        lines.append(f"  {place_words(nuisance.name, nuisance.at)}{reference_words(nuisance.name)}")
+        lines += [f"  {_row(each)}" for each in nuisance.parameters if each.name not in nuisance.undetermined]
+        if nuisance.undetermined:
+            lines.append(f"    as stated, not determined: {listed(nuisance.undetermined)}")
     return lines + [
         f"  {record}: {frame_words(name, pose)}"
         for record, found in diagnosis.frames.items()

@@ -33,6 +33,7 @@ from flexarm.wording import (
     number,
     place_words,
     probability,
+    reference_words,
     scale,
     signed,
     with_unit,
@@ -185,8 +186,10 @@ def _minus(text: str) -> str:
 
 def _nuisance_rows(d: Diagnosis) -> Iterator[Row]:
     for nuisance in d.nuisances:
+        title = f"{place_words(nuisance.name, nuisance.at)}{reference_words(nuisance.name)}"
         for each in nuisance.parameters:
-            yield {"title": place_words(nuisance.name, nuisance.at), **_parameter(each)}
+            if each.name not in nuisance.undetermined:
+                yield {"title": title, **_parameter(each)}
 
 
 def _rejected_rows(d: Diagnosis) -> list[Row]:

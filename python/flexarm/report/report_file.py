@@ -72,6 +72,7 @@ class NuisanceEntry(Entry):
     name: str
     at: str
     parameters: list[ParameterEntry]
+    undetermined: list[str] = []
 
 
 class WhereEntry(Entry):

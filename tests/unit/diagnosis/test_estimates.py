@@ -3,14 +3,18 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
+import diagnoses
 import numpy as np
 import pytest
 
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.candidate import Candidate, TransformedParameter
+from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import folds
 from flexarm.diagnosis.fit import Fit, Projection
+from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.uncertainty import deviations, estimates, surrogates, whole_turns
 from flexarm.effects import PayloadMass
 from flexarm.named_effects import NORMAL_90
@@ -174,3 +178,13 @@ def test_nine_of_ten_intervals_hold_the_truth_where_little_of_the_record_tells_i
 @pytest.mark.parametrize(("phase", "shown"), [(3.1, 3.1), (3.2, 3.2 - 2 * np.pi), (-9.5, -9.5 + 4 * np.pi)])
 def test_phases_are_told_within_half_a_turn_of_zero(phase, shown):
     assert phase - whole_turns(phase) == pytest.approx(shown)
+
+
+def test_what_a_planar_swing_does_not_show_of_a_frame_is_told_as_undetermined():
+    motions = Problem(diagnoses.with_spring(), {"slow": diagnoses.record(1)}, step=0.01)
+    fit = Estimator.nominal(motions, nuisance_model(motions)).fit([])
+    found = {each.name: each.undetermined for each in estimates(fit, motions).nuisances}
+    assert found == {
+        "time_delay": (),
+        "frame_registration": ("translation.y", "rotation.x", "rotation.z"),
+    }

@@ -4,7 +4,9 @@ import diagnoses
 import pytest
 
 import flexarm
+from flexarm import effects
 from flexarm.arm.parameter import with_value
+from flexarm.diagnosis.sensors import without_idle_zeros
 from flexarm.diagnosis.uncertainty import restore_unidentifiable
 from flexarm.named_effects import Refined
 
@@ -50,3 +52,18 @@ def test_nothing_is_simulated_where_nothing_is_open(refined):
 
     repaired = diagnoses.with_spring()
     assert restore_unidentifiable(diagnoses.nominal(), repaired, refined, never) == (repaired, refined)
+
+
+def test_a_zero_that_the_data_do_not_tell_from_none_leaves_the_model():
+    """1e-8 rad +- 4e-5 rad is no offset: the model has neither the effect nor its uncertainty."""
+    offset = effects.EncoderOffset(at="hinge", offset=1e-8)
+    stated = diagnoses.nominal()
+    arm = stated.with_effect(offset.replace(offset=0.0)).replace(
+        uncertainty={**stated.uncertainty, "effects.encoder_offset.hinge.offset_rad": 5e-3}
+    )
+    repaired = arm.with_effect(offset)
+    key = "effects.encoder_offset.hinge.offset"
+    zero = Refined(key, 1e-8, 4e-5, 0.0, "rad")
+    back, refined = restore_unidentifiable(arm, repaired, (zero,), gaps)
+    assert [(each.value, each.std) for each in refined] == [(0.0, 4e-5)]
+    assert without_idle_zeros(back, stated) == stated

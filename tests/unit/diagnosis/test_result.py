@@ -48,7 +48,7 @@ def test_entries_of_a_report_have_the_agreed_keys():
     assert set(effect) == named
     assert all(set(each) == PARAMETER for each in effect["parameters"])
     assert [set(each) for each in effect["alternatives"]] == [{"name", "at", "probability"}]
-    assert [set(each) for each in told["nuisances"]] == [{"name", "at", "parameters"}]
+    assert all(set(each) == {"name", "at", "parameters", "undetermined"} for each in told["nuisances"])
     [cell] = told["where"]
     assert set(cell) == {"signal", "direction", "when", "band_hz", "rms", "noise_rms"}
     assert [set(each) for each in told["refined"]] == [{"parameter", "value", "std", "nominal"}]

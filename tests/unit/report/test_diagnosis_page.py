@@ -247,3 +247,13 @@ def test_records_that_would_share_a_file_get_their_own():
     found = stems(names)
     assert len(set(found)) == len(names)
     assert all(re.fullmatch(r"[\w-][\w.-]*", stem) for stem in found)
+
+
+def test_clocks_and_frames_are_told_against_something_and_only_as_far_as_they_were_found():
+    d = diagnoses.of_effects()
+    for text in (page_of(d).text, " ".join(d.summary().split())):
+        assert "time delay at tracker, against the drive's clock" in text
+        assert "frame registration at tracker, against its stated pose, in the base's axes" in text
+        assert "rotation.y" in text
+    assert "rotation.x" not in page_of(d).text
+    assert "as stated, not determined: rotation.x" in d.summary()
