@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,9 @@ import pytest
 from arms import hinge, point, rigid
 from pytest import approx
 
-from flexarm import Arm, Drive, InvalidParameter, Record, Signal, simulate
+from flexarm import Arm, Drive, InvalidParameter, NotConverged, Record, Signal, simulate
 from flexarm.control import simulate_closed_loop
+from flexarm.control.divergence import with_loops
 from flexarm.measurement.measure import measure
 
 INERTIA = 7.0  # about the joint: 4 kg at 1 m, 2 kg m2 about its centre, 1 kg m2 of the rotor
@@ -222,3 +224,32 @@ def test_what_does_not_fit_is_refused() -> None:
         simulate(rigid_arm(), step_command())
     with pytest.raises(InvalidParameter, match="step must be positive"):
         simulate(rigid_arm(controllers=[CASCADE]), step_command(), step=0.0)
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"controllers": [{**CASCADE, "velocity_gain": 4 * INERTIA / CASCADE["sample_time"]}]},
+        {"motors": [MOTOR], "controllers": [{**FEEDBACK, "position_gain": -20.0}]},
+    ],
+    ids=["twice as stiff as its samples bear", "the wrong way round"],
+)
+def test_a_controller_that_diverges_is_named_with_its_time(tables: Any) -> None:
+    """A rotor held for T_s bears less than K_v = 2 J/T_s or little more, and no gain of the wrong sign."""
+    said = r"controller of joint 'hinge' diverges: at t = .* stands .* rad from its command, allowed are 6.28"
+    with pytest.raises(NotConverged, match=said) as failure:
+        simulate_closed_loop(rigid_arm(**tables), step_command(end=8.0), step=4e-3)
+    assert failure.value.time is not None
+    assert 0.02 < failure.value.time < 8.0
+
+
+def test_a_failure_of_the_solver_says_what_the_controllers_did() -> None:
+    arm = rigid_arm(controllers=[CASCADE])
+    loops = {"hinge": SimpleNamespace(joint=0)}
+    plant: Any = SimpleNamespace(angle=lambda joint, output: 0.25, rate=lambda joint, output: 300.0)
+    told = with_loops(NotConverged("step 3", time=0.1), arm, loops, plant, {"hinge": 0.5})  # type: ignore[arg-type]
+    assert str(told) == (
+        "step 3; under its controller the motor of 'hinge' is 0.25 rad from its command and moves at "
+        "300 rad/s"
+    )
+    assert told.time == 0.1

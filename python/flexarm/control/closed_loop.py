@@ -20,12 +20,13 @@ from flexarm.arrays import Floats, read_only
 from flexarm.control.back_emf import without_losses
 from flexarm.control.controlled import ControlledArm
 from flexarm.control.differentiated import Differentiation, commanded_at
+from flexarm.control.divergence import require_followed, with_loops
 from flexarm.control.dual import Real, slopes_of, value_of
 from flexarm.control.grid import SampleGrid
 from flexarm.control.loop import Loop
 from flexarm.control.plant import Plant
 from flexarm.drive import Drive
-from flexarm.errors import InvalidParameter
+from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record
 from flexarm.record.step_limit import check_step_count
 from flexarm.simulation.energies import Energies
@@ -85,7 +86,8 @@ def simulate_closed_loop(
         If a commanded joint has no controller, sample times have no common grid, or there is no derivative
         by a parameter.
     NotConverged
-        With time, iteration and residual.
+        With time, iteration and residual; also if a motor runs a turn (a joint that slides `LONGEST`) away
+        from its command, for its controller diverges.
 
     Examples
     --------
@@ -184,7 +186,12 @@ def _sampled(
                     held = slice(k, k + grid.every[name])
                     voltage[held, loop.joint] = value_of(volts)
                     slopes[held, loop.joint] = slopes_of(volts, plant.n_parameters)
-            plant.advance(torque, grid.substeps)
+            commanded = {name: value_of(samples[k]) for name, samples in commands.items()}
+            require_followed(task.arm, loops, plant, commanded)
+            try:
+                plant.advance(torque, grid.substeps)
+            except NotConverged as error:
+                raise with_loops(error, task.arm, loops, plant, commanded) from None
             if report is not None and k % look == 0 and report(k / count) is False:
                 break
     slopes[np.isnan(voltage)] = np.nan
