@@ -4,6 +4,9 @@ A record holds the readings of an encoder and the stamps of its clock. Where the
 (`flexarm.measurement.effects_of`), readings are turned into true angles and stamps into true time before the
 samples are smoothed. The readings and their noise alone determine how much, so that the drive depends
 smoothly on the parameters of these effects.
+
+A run ends a little after the last stamp, for clocks that are late. Until then a drive goes on with the rate
+and acceleration of its last sample: a sudden stop would show in the accelerations just before it.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.drive.joint_drive import JointDrive
@@ -20,13 +24,15 @@ from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.outliers import drive_outliers
-from flexarm.measurement.smoothing import smooth
+from flexarm.measurement.smoothing import Pieces, smooth
 from flexarm.record import Record, Signal
+
+AFTER = 0.02
+"""Time after the last stamp at which a run ends [s]."""
 
 
 def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
     """Return the attributes of the drive of a record, see `Drive.from_record`."""
-    after_the_last = 0.02  # time after the last stamp at which a run ends [s], for clocks that are late
     if record.kind != "motion":
         what = "poses do" if record.kind == "static" else "a frequency response does"
         raise InvalidParameter(
@@ -52,7 +58,7 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
         raise InvalidParameter("holds no times of a known clock", where="signals")
     lead = 0.0
     starts = [drive.breaks[0] for drive in joints.values()] or [first for first, _ in known]
-    end = max(last for _, last in known) + after_the_last
+    end = max(last for _, last in known) + AFTER
     if record.initial == "moving" and all(each.side != "command" for each in joints.values()):
         joints, lead = {name: led_in(each) for name, each in joints.items()}, LEAD
     return {
@@ -100,8 +106,15 @@ def _joint_drive(signal: Signal, arm: Arm, start: float) -> JointDrive:
         return JointDrive.held(samples.time, samples.values)
     joint = arm.joint(str(signal.joint))
     shown = (samples.stamps, samples.reading)
-    breaks, coefficients = smooth(samples.time, samples.values, samples.noise, shown)
+    breaks, coefficients = _gone_on(*smooth(samples.time, samples.values, samples.noise, shown))
     return JointDrive(breaks, coefficients, "output" if signal.side == "output" and joint.moves else "motor")
+
+
+def _gone_on(breaks: Floats, coefficients: Floats) -> Pieces:
+    """Return pieces and one more with the last rate and acceleration, until beyond the end of the run."""
+    value, rate, acceleration = _core.PiecewisePolynomial(breaks, coefficients)(breaks[-1])
+    last = np.array([0.0, acceleration / 2, rate, value])[-len(coefficients) :]
+    return np.append(breaks, breaks[-1] + 2 * AFTER), np.column_stack([coefficients, last])
 
 
 class _Samples(NamedTuple):

@@ -1,0 +1,29 @@
+"""The drive of a record about its last sample."""
+
+import numpy as np
+import pytest
+from arms import crane, drive
+
+import flexarm
+from flexarm.arm.sensor import Sensor
+from flexarm.effects import JointCompliance
+
+
+def test_an_accelerometer_at_the_last_sample_reads_the_motion_and_no_stop():
+    """A joint that still turns as its record ends: the last readings are no worse than those before."""
+    arm = crane(effects=[]).with_effect(JointCompliance(at="hinge", stiffness=1.4e5, damping=180.0))
+    swing = drive({"hinge": lambda t: 0.4 * np.sin(2 * np.pi * 0.3 * t) ** 3}, 4.0)
+    run = flexarm.simulate(arm, swing, rotations=True, forces=True)
+    sensors = [
+        Sensor(name="hinge", quantity="joint_angle", joint="hinge", rate_hz=250, noise_std=1e-9),
+        Sensor(
+            name="imu", quantity="acceleration", point="tip", axes=("x", "z"), rate_hz=100, noise_std=1e-9
+        ),
+    ]
+    record = flexarm.measure(run, sensors, np.random.default_rng(1), drive=["hinge"])
+    assert np.abs(run.drive_rate[-1]) > 0.1
+    again = flexarm.simulate(arm, record, rotations=True, forces=True)
+    seen = flexarm.measure(again, sensors[1:], np.random.default_rng(1)).signals["imu"]
+    n = len(record.signals["imu"])
+    off = np.abs(seen.values[:n] - record.signals["imu"].values)
+    assert off[-1] == pytest.approx(off[:-1].max(), abs=0.05)
