@@ -6,10 +6,13 @@ states of it. Without noise a signal aligns no clock and no frame.
 **Input noise.** The angle that drives a simulation is smoothed (`flexarm.measurement.smoothing`). A part of
 its noise remains and moves all that the drive moves, lightly damped modes most. With f the smoothed drive,
 
-    y'_i = f(t_i) + n_i,    n_i white, as large as the record states,                                  (1)
+    y'_i = step round((f(t_i) + n_i + u)/step) - u,    u uniform within a step                         (1)
 
-smoothed anew, is as far from f as f is from the truth. Angles of poses are not smoothed, so n is added to
-them. The difference of the simulations along both is an error of each channel.
+smoothed anew, is as far from f as f is from the truth. step is that of the grid on which the readings lie
+(`flexarm.record.quantisation_grid`), n_i is white, and both together are as large as the record states;
+without a grid, or with one that this noise does not cover, y' = f + n. Counts are no white noise: while a
+joint hardly moves all readings err alike. Angles of poses are not smoothed; f is their reading. The
+difference of the simulations along both is an error of each channel.
 
 **Discretisation error.** Richardson extrapolation (`Problem.correction`) assumes second order. Motions with
 impacts have no order: after some of them the motions of two time steps diverge. With r(h) the residual and
@@ -48,8 +51,10 @@ from flexarm.diagnosis.problem import Problem, extrapolated
 from flexarm.diagnosis.residual_rows import is_non_smooth
 from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.encoder import quantised
 from flexarm.measurement.smoothing import smooth
 from flexarm.record import Record
+from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.wording import listed, times_noise, with_unit
 
 if TYPE_CHECKING:
@@ -172,19 +177,25 @@ def _input_error(problem: Problem, arm: Arm, rng: np.random.Generator) -> Floats
 def _noisy_again(record: Record, arm: Arm, rng: np.random.Generator) -> Record:
     """Return a record whose encoders that drive read (1)."""
     noisy = {
-        name: record.signals[name].replace(values=_reading(record, name, arm, rng))
+        name: record.signals[name].replace(values=input_noise_reading(record, name, arm, rng))
         for name in record.drive
         if record.signals[name].quantity == "joint_angle" and record.signals[name].noise_std
     }
     return record.replace(signals=list({**record.signals, **noisy}.values())) if noisy else record
 
 
-def _reading(record: Record, name: str, arm: Arm, rng: np.random.Generator) -> Floats:
-    """Eq. (1)."""
+def input_noise_reading(record: Record, name: str, arm: Arm, rng: np.random.Generator) -> Floats:
+    """Return y' of (1), shape (n, 1)."""
     signal = record.signals[name]
     noise = float(effects_of(arm, signal).noise(signal.noise_std or 0.0)[0])
     values = smoothed(signal, noise) if record.kind == "motion" else signal.values[:, 0]
-    values = values + noise * rng.standard_normal(len(signal))  # eq. (1)
+    step = quantisation_step(signal.values[:, 0])
+    counted = step <= NOISE_MODEL.coarse_count * noise
+    white = sqrt(max(noise**2 - step**2 / 12, 0.0)) if counted else noise
+    values = values + white * rng.standard_normal(len(signal))
+    if counted and step > 0:
+        u = step * rng.spawn(1)[0].uniform()
+        values = quantised(values + u, step) - u  # eq. (1)
     values[~np.isfinite(signal.values[:, 0])] = np.nan
     return np.asarray(values[:, None])
 

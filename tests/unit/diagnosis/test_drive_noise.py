@@ -10,6 +10,7 @@ from flexarm.diagnosis.evidence import above_noise
 from flexarm.diagnosis.noise_model import (
     allow_for_input_noise,
     input_noise_by_signal,
+    input_noise_reading,
     input_noise_remarks,
     weighted_by_input_noise,
 )
@@ -159,6 +160,26 @@ def test_angles_of_poses_are_no_better_known_than_their_encoder_reads_them():
     assert left(there, residual).max() < 1.0
     input_noise = sum(each.input_noise for each in there.rows)
     assert input_noise == pytest.approx((2 * 2e-4 / 1e-4) ** 2, rel=0.5)  # 48 draws of n: within some 20 %
+
+
+def test_counts_of_a_joint_at_rest_err_alike():
+    """Rounded to counts a joint at rest errs by one value, any within half a count; noise averages out."""
+    step, time = 1e-3, np.arange(0, 4, 0.01)
+    moved = 0.3 * smooth_step((time - 2) / 2)
+    values = step * np.round(moved / step)
+    rod, _ = posed(1e-5, 4)
+    encoder = flexarm.Signal(
+        name="hinge",
+        quantity="joint_angle",
+        joint="hinge",
+        values=values[:, None],
+        time=time,
+        noise_std=step / np.sqrt(12),
+    )
+    record = flexarm.Record(signals=[encoder], drive=("hinge",))
+    rng = np.random.default_rng(1)
+    at_rest = [input_noise_reading(record, "hinge", rod, rng)[:150, 0].mean() for _ in range(200)]
+    assert np.std(at_rest) == pytest.approx(step / np.sqrt(12), rel=0.15)
 
 
 def test_few_poses_scatter_by_chance_and_that_is_no_gap():
