@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from arms import crane, drive, smooth_step, tracker
 from pytest import approx
 
 import flexarm
@@ -19,7 +20,7 @@ from flexarm.comparison.poses import solve_poses
 from flexarm.diagnosis.family import HierarchicalPrior
 from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.joint_compliance import JointCompliance
-from flexarm.record import Frame
+from flexarm.record import Clock, Frame
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NOISE = 2e-4
@@ -253,3 +254,47 @@ def test_estimates_follow_a_curved_valley_to_its_end():
     for name, value in (("stiffness", 6e4), ("damping", 150.0)):
         estimate = found.parameter(f"effects.joint_compliance.hinge.{name}")
         assert abs(estimate.value - value) < 0.2 * estimate.std
+
+
+def counted_swing(arm: Arm, seed: int) -> Record:
+    """Counts of 0.1 mrad drive an arm that a tracker and an accelerometer at its tip see."""
+    run = flexarm.simulate(
+        arm,
+        drive({"hinge": lambda t: 0.4 * np.sin(2 * pi * 0.3 * t) * smooth_step(t / 2)}, 8.0),
+        rotations=True,
+        forces=True,
+    )
+    encoder = Sensor(
+        name="hinge",
+        quantity="joint_angle",
+        joint="hinge",
+        rate_hz=250,
+        noise_std=1e-5,
+        step=1e-4,
+        clock="plc",
+    )
+    imu = Sensor(name="imu", quantity="acceleration", point="tip", rate_hz=100, noise_std=0.02, clock="plc",
+                 axes=("x", "z"))  # fmt: skip
+    return flexarm.measure(
+        run,
+        [encoder, tracker(rate_hz=20).replace(frame="base"), imu],
+        np.random.default_rng(seed),
+        drive=["hinge"],
+        clocks={"plc": Clock(), "tracker": Clock()},
+    )
+
+
+@pytest.mark.parametrize("seed", [0, 5, 7])
+def test_counts_of_the_drive_widen_intervals_beside_an_accelerometer(seed):
+    """Counts ring the arm; its accelerations read that error, which is no evidence of spring and damper."""
+    spring = JointCompliance(at="hinge", stiffness=6e4, damping=120.0)
+    true = crane(effects=[]).with_effect(spring)
+    key = "effects.joint_compliance.hinge."
+    nominal = true.with_effect(spring.replace(stiffness=6.18e4)).replace(
+        uncertainty={f"{key}stiffness": 0.1, f"{key}damping": 0.3}
+    )
+    found = flexarm.calibrate(nominal, {"swing": counted_swing(true, seed)}, jobs=1)
+    for name, value in (("stiffness", 6e4), ("damping", 120.0)):
+        estimate = found.parameter(key + name)
+        assert abs(estimate.value - value) < 3 * estimate.std
+        assert estimate.determined

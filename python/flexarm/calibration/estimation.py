@@ -12,9 +12,13 @@ those of the step before where they foretold it,
 with lambda = 0 first. Where derivatives miss more than a part of what a step changes, another one with the
 same J follows it, which bends it along a curved valley of (1): stiffness and modulus that share a
 compliance have one. An estimation ends where a step moves nothing by more than a fifth of its sigma, and
-lowers (1) by less than the square of that. The covariance is H^-1. W is one over the long-run variance of
-noise and model discrepancy of each channel (`diagnosis.discrepancy`): where a gap stays, rows count for as
-much as they leave, priors count as they should, and intervals widen by what is left.
+lowers (1) by less than the square of that. W is that of `diagnosis.discrepancy`, eq. (4): where a gap stays,
+rows count for as much as they leave, and priors count as they should. Estimates err by what all errors do to
+them, as in a diagnosis (`diagnosis.uncertainty`):
+
+.. math:: V = H^{-1} (J^T W C W J + P) H^{-1} + \frac{1}{K} \sum_k (H^{-1} J^T W e_k)(H^{-1} J^T W e_k)^T (3)
+
+with C of noise and discrepancy, and e_k what draws of input noise move; errors of the simulation come on top.
 
 A family is fitted with one shared size first: du = A dv, with a column of A for the family and one for each
 other parameter. Its spread is estimated along with the members after that.
@@ -35,10 +39,13 @@ from flexarm.budget import allows
 from flexarm.calibration.families import Family
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
-from flexarm.diagnosis.evidence import discrepancies_of
+from flexarm.diagnosis.discrepancy import Discrepancy
+from flexarm.diagnosis.evidence import discrepancies_of, simulation_errors
 from flexarm.diagnosis.fit import FIT_ERRORS, NormalEquations, Projection
+from flexarm.diagnosis.noise_model import input_noise_errors
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import is_non_smooth
+from flexarm.diagnosis.uncertainty import robust_covariance, surrogates
 
 Tell = Callable[[str], object]
 
@@ -102,7 +109,7 @@ class Estimation:
         steps = {p.key: p.step for p in self.parameters if p.step is not None}
         jacobian = self.problem.jacobian(arm, [parameter.key for parameter in self.parameters], steps)
         jacobian *= [parameter.slope(float(x)) for parameter, x in zip(self.parameters, u, strict=True)]
-        return Point(u, self.residual(u, jacobian), jacobian)
+        return Point(u, self.residual(u, jacobian), jacobian, input_noise_errors(self.problem, arm))
 
     def residual(self, u: Floats, jacobian: Floats) -> Floats:
         """Return r of (1), with what time steps miss, and what belongs to records in proportion."""
@@ -120,22 +127,55 @@ class Estimation:
         )
         return replace(self, families=tuple(families))
 
-    def weights(self, residual: Floats) -> Floats:
-        """Return W of (1), shape (n,)."""
-        found = np.empty(len(residual))
-        left = discrepancies_of(residual, self.problem, is_non_smooth(self.arm))
-        for (_, where), discrepancy in zip(self.problem.channels(), left, strict=True):
-            found[where] = 1.0 / discrepancy.long_run_variance
+    def weighting(self, residual: Floats, input_errors: Floats) -> Weighting:
+        """Return W of (1) and C of (3), given what is left."""
+        left = discrepancies_of(residual, self.problem, is_non_smooth(self.arm), input_errors)
+        return Weighting(self.problem, left, input_errors)
+
+
+@dataclass(frozen=True, eq=False)
+class Weighting:
+    """W of (1) and C of (3)."""
+
+    problem: Problem
+    discrepancies: tuple[Discrepancy, ...]
+    """Of each channel."""
+    input_errors: Floats
+    """e_k of (3), shape (draws, n)."""
+
+    def root(self, values: Floats) -> Floats:
+        """Return the root of W times values of shape (n, ...)."""
+        found = np.empty_like(values)
+        for (_, where), each in zip(self.problem.channels(), self.discrepancies, strict=True):
+            found[where] = each.weighted(values[where])
         return found
+
+    def covariance_times(self, values: Floats) -> Floats:
+        """Return C times values of shape (n, ...)."""
+        found = np.empty_like(values)
+        for (_, where), each in zip(self.problem.channels(), self.discrepancies, strict=True):
+            found[where] = each.times(values[where])
+        return found
+
+    def covariance(self, jacobian: Floats, prior: Floats, inverse: Floats) -> Floats:
+        """Return V of (3) from J, P and H^-1."""
+        weighted = self.root(self.root(jacobian))
+        found = robust_covariance(
+            weighted, self.covariance_times(weighted), prior, inverse, self.input_errors
+        )
+        size = simulation_errors(self.problem, False)
+        return found + np.diag(surrogates(self.problem, jacobian, weighted @ inverse, size) ** 2)
 
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A linearisation: u, r and J of (2); J may be that of a model nearby."""
+    """A linearisation: u, r and J of (2); J and e_k may be those of a model nearby."""
 
     u: Floats
     residual: Floats
     jacobian: Floats
+    input_errors: Floats
+    """e_k of (3), shape (draws, n)."""
     exact: bool = True
 
 
@@ -147,10 +187,12 @@ class Posterior:
     """With the families' spreads as estimated."""
     point: Point
     """Where (1) is least."""
-    weight: Floats
-    """W of (1), shape (n,)."""
+    weighting: Weighting
+    """W of (1) there."""
+    inverse: Floats
+    """H^-1 of (2), shape (m, m)."""
     covariance: Floats
-    """Of u, shape (m, m)."""
+    """V of (3), shape (m, m)."""
     last_move: Floats
     """Of the last step, in sigmas, shape (m,)."""
     iterations: int
@@ -201,14 +243,14 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
     point = estimation.linearised(u)
     for count in range(1, policy.iterations + 1):
         P = estimation.precision()
-        weight = estimation.weights(point.residual)
-        ahead = _step(point, weight, P, centre, A, 0.0)
-        weight = estimation.weights(point.residual + point.jacobian @ ahead)
-        normal = NormalEquations.of(point.jacobian @ A, A.T @ P @ A, weight)
-        covariance = A @ normal.inverse() @ A.T
-        move, there, lowered = _damped_step(estimation, point, weight, P, centre, A)
+        weighting = estimation.weighting(point.residual, point.input_errors)
+        ahead = _step(point, weighting, P, centre, A, 0.0)
+        weighting = estimation.weighting(point.residual + point.jacobian @ ahead, point.input_errors)
+        inverse = A @ NormalEquations.of(weighting.root(point.jacobian @ A), A.T @ P @ A).inverse() @ A.T
+        covariance = weighting.covariance(point.jacobian, P, inverse)
+        move, there, lowered = _damped_step(estimation, point, weighting, P, centre, A)
         sigmas = move / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
-        found = Posterior(estimation, point, weight, covariance, sigmas, count)
+        found = Posterior(estimation, point, weighting, inverse, covariance, sigmas, count)
         largest = float(np.abs(sigmas).max(initial=0.0))
         left = float(np.sqrt(np.mean(point.residual**2)))
         tell(f"step {count}: {left:.3g} times the noise, moves by {largest:.2g} sigma")
@@ -219,7 +261,7 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
             break
         kept = not rests and _is_linear(point, move, there, policy.linearisation_error)
         u = point.u + move
-        point = Point(u, there, point.jacobian, False) if kept else estimation.linearised(u)
+        point = replace(point, u=u, residual=there, exact=False) if kept else estimation.linearised(u)
         if basis is None:
             estimation = estimation.with_spreads(u, np.diag(covariance))
     return found
@@ -231,19 +273,18 @@ def _is_linear(point: Point, move: Floats, there: Floats, part: float) -> bool:
     return float(missed @ missed) < part**2 * float(np.sum((there - point.residual) ** 2))
 
 
-def _step(point: Point, weight: Floats, P: Floats, centre: Floats, A: Floats, damping: float) -> Floats:
+def _step(point: Point, weighting: Weighting, P: Floats, centre: Floats, A: Floats, damping: float) -> Floats:
     """Return du of (2)."""
-    jacobian = point.jacobian @ A
+    jacobian = weighting.root(point.jacobian @ A)
     held = A.T @ P @ A
     if damping > 0:
-        diagonal = np.sum(weight[:, None] * jacobian**2, axis=0) + np.diag(held)
-        held = held + damping * np.diag(diagonal)
-    gradient = jacobian.T @ (weight * point.residual) + A.T @ (P @ (point.u - centre))
-    return -A @ NormalEquations.of(jacobian, held, weight).solved(gradient)
+        held = held + damping * np.diag(np.sum(jacobian**2, axis=0) + np.diag(held))
+    gradient = jacobian.T @ weighting.root(point.residual) + A.T @ (P @ (point.u - centre))
+    return -A @ NormalEquations.of(jacobian, held).solved(gradient)
 
 
 def _damped_step(
-    estimation: Estimation, point: Point, weight: Floats, P: Floats, centre: Floats, A: Floats
+    estimation: Estimation, point: Point, weighting: Weighting, P: Floats, centre: Floats, A: Floats
 ) -> tuple[Floats, Floats, float]:
     """Return the least damped step of (2) that does not lead up, r after it, and by how much it lowers (1).
 
@@ -253,11 +294,11 @@ def _damped_step(
     logarithmic = np.array([parameter.scale == "log" for parameter in estimation.parameters])
 
     def cost(u: Floats, residual: Floats) -> float:
-        return float(weight @ residual**2 + (u - centre) @ P @ (u - centre))
+        return float(np.sum(weighting.root(residual) ** 2) + (u - centre) @ P @ (u - centre))
 
     here, damping = cost(point.u, point.residual), 0.0
     for _ in range(policy.trials):
-        step = _step(point, weight, P, centre, A, damping)
+        step = _step(point, weighting, P, centre, A, damping)
         longest = float(np.abs(step[logarithmic]).max(initial=0.0))
         step *= min(1.0, policy.longest_step / max(longest, 1e-300))
         tried = []
@@ -266,7 +307,7 @@ def _damped_step(
             tried.append((cost(point.u + step, residual), step, residual))
             if not _is_linear(point, step, residual, policy.linearisation_error):
                 from_there = replace(point, u=point.u + step, residual=residual)
-                bent = step + _step(from_there, weight, P, centre, A, damping)
+                bent = step + _step(from_there, weighting, P, centre, A, damping)
                 residual = estimation.residual(point.u + bent, point.jacobian)
                 tried.append((cost(point.u + bent, residual), bent, residual))
         best, step, residual = min(tried, key=lambda each: each[0], default=(np.inf, step, point.residual))

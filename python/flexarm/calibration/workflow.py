@@ -14,7 +14,6 @@ import numpy as np
 from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, SECONDS, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import path_of, with_value
-from flexarm.arrays import Floats
 from flexarm.budget import current, limited
 from flexarm.calibration.estimates import (
     CalibratedFamily,
@@ -31,17 +30,11 @@ from flexarm.calibration.result import Calibration
 from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES
 from flexarm.configuration import version
 from flexarm.diagnosis.hold_out import Split, named_hold_out, split
-from flexarm.diagnosis.noise_model import (
-    allow_for_input_noise,
-    impute_noise,
-    input_noise_by_signal,
-    input_noise_remarks,
-    weighted_by_input_noise,
-)
+from flexarm.diagnosis.noise_model import SEED, impute_noise, input_noise_remarks
 from flexarm.diagnosis.nuisance import first_guess, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.sensors import is_zero, with_zeros, without_idle_zeros
+from flexarm.diagnosis.sensors import is_zero, with_errors_of_drives, with_zeros, without_idle_zeros
 from flexarm.diagnosis.verification import SplitRecords, main_signal, rounded_to_std
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
@@ -142,9 +135,7 @@ def _calibration(
     workers = jobs or os.cpu_count() or 1
     uncertain = with_zeros(arm, parted.training, SelectionPolicy())
     problem = Problem(uncertain, parted.training, step=step, alpha=alpha, jobs=workers)
-    allow_for_input_noise(problem, uncertain)
-    moved = input_noise_by_signal(problem)
-    problem = weighted_by_input_noise(problem)
+    problem, coarse, moved = with_errors_of_drives(problem, SEED)
     estimation = _estimation(problem, families, rules)
     steps = count(1)
     posterior = estimates_from_shared_sizes(
@@ -177,6 +168,7 @@ def _calibration(
             *map(str, clean.outliers),
             *clean.remarks,
             *borrowed,
+            *(encoder.evidence for encoder in coarse),
             *_remarks(posterior, parted),
             *input_noise_remarks(moved, problem),
             *current().remarks,
@@ -289,12 +281,11 @@ def _frames(posterior: Posterior) -> tuple[CalibratedFrame, ...]:
 
 def _chi_square(posterior: Posterior) -> ChiSquare:
     point, problem = posterior.point, posterior.estimation.problem
-    weighted = posterior.weight[:, None] * point.jacobian
-    effective = float(np.sum(posterior.covariance * (point.jacobian.T @ weighted)))
-    inflation: dict[str, Floats] = {}
-    for each, where in problem.channels():
-        inflation.setdefault(each.signal, np.array([]))
-        inflation[each.signal] = np.append(inflation[each.signal], 1.0 / posterior.weight[where])
+    white = posterior.weighting.root(point.jacobian)
+    effective = float(np.sum(posterior.inverse * (white.T @ white)))
+    inflation: dict[str, list[float]] = {}
+    for (each, _), left in zip(problem.channels(), posterior.weighting.discrepancies, strict=True):
+        inflation.setdefault(each.signal, []).append(left.long_run_variance)
     return ChiSquare(
         float(point.residual @ point.residual),
         len(point.residual),

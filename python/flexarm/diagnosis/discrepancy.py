@@ -23,6 +23,14 @@ The prior of s is a half-Cauchy one of the noise's scale [Gelman2006], times the
 it, which grows with s: a model that needs a discrepancy of s times the noise is less likely by that factor.
 What lasts longer than a tenth of a record is no discrepancy: an offset or a drift is an effect.
 
+Input noise is no white noise: modes amplify it, and an accelerometer differentiates it twice. Where its draws
+are at hand (`diagnosis.noise_model`), r + S_in(omega) stands in (3) in place of r, with S_in their mean
+periodogram. A residual is then weighted by the inverse of its density,
+
+.. math:: W = F^* \frac{1}{\lambda + S_{in}(\omega)} F                                                (4)
+
+with F the Fourier transform of a channel and lambda the density of noise and discrepancy at zero.
+
 Poses have no order in time: there K_ij = exp(-|a_i - a_j|^2/(2 L^2)) with a the joints' angles over their
 spread, L a part of it, and one eigendecomposition of K whitens all models [Rasmussen2006].
 """
@@ -45,6 +53,30 @@ from flexarm.record import Record
 
 
 @dataclass(frozen=True, eq=False)
+class InputSpectrum:
+    """S_in of a channel in time."""
+
+    by_band: Floats
+    """In each band of (3)."""
+    samples: int
+
+    @classmethod
+    def of(cls, errors: Floats) -> InputSpectrum:
+        """Return the spectrum of draws of an error, shape (draws, n)."""
+        n = errors.shape[1]
+        bands = [_binned(each)[1] for each in errors]
+        return cls(np.mean(bands, axis=0) if bands else np.zeros(len(_bands(n))), n)
+
+    def over_root(self, values: Floats, level: float) -> Floats:
+        """Return the root of (4) times values of shape (n, ...)."""
+        starts = np.append(_bands(self.samples), self.samples // 2 + 1)
+        root = np.sqrt(level + np.repeat(self.by_band, np.diff(starts)))
+        shape = (-1, *[1] * (values.ndim - 1))
+        found = np.fft.irfft(np.fft.rfft(values, axis=0) / root.reshape(shape), self.samples, axis=0)
+        return np.asarray(found)
+
+
+@dataclass(frozen=True, eq=False)
 class TimeDiscrepancy:
     """Eq. (1) of a channel in time."""
 
@@ -55,6 +87,8 @@ class TimeDiscrepancy:
     """r and s^2 of (1), over the stated variance."""
     length: float = 0.0
     """L [samples]; 0 without a discrepancy."""
+    spectrum: InputSpectrum | None = None
+    """S_in of (4), beside r; None counts as part of r."""
 
     @property
     def _phi(self) -> float:
@@ -103,6 +137,12 @@ class TimeDiscrepancy:
     def long_run_variance(self) -> float:
         """Variance of the mean of many samples times their number: the spectral density at zero."""
         return self.noise + self.size * (1 + self._phi) / (1 - self._phi)
+
+    def weighted(self, values: Floats) -> Floats:
+        """Return the root of (4) times values of shape (n, ...)."""
+        if self.spectrum is None:
+            return np.asarray(values / np.sqrt(self.long_run_variance))
+        return self.spectrum.over_root(values, self.long_run_variance)
 
     def times(self, values: Floats) -> Floats:
         """Return C times values of shape (n, ...)."""
@@ -160,6 +200,10 @@ class PoseDiscrepancy:
         """Variance of the mean times the number of poses."""
         return float(self.vectors.sum(axis=0) ** 2 @ self.variances / len(self.variances))
 
+    def weighted(self, values: Floats) -> Floats:
+        """Return values of shape (n, ...) over the root of that: poses have no spectrum."""
+        return np.asarray(values / np.sqrt(self.long_run_variance))
+
     def times(self, values: Floats) -> Floats:
         """Return C times values of shape (n, ...)."""
         found: Floats = self.vectors @ ((self.vectors.T @ values).T * self.variances).T
@@ -191,23 +235,26 @@ def stretches(time: Floats) -> list[slice]:
     return [slice(a, b) for a, b in pairwise(edges)]
 
 
-def in_time(rest: Floats, time: Floats, noise: float) -> TimeDiscrepancy:
+def in_time(
+    rest: Floats, time: Floats, noise: float, spectrum: InputSpectrum | None = None
+) -> TimeDiscrepancy:
     """Return the most probable discrepancy of a channel in time, by (3)."""
     n = len(rest)
     omega, power, count = _binned(rest)
+    white = noise + (np.zeros(len(omega)) if spectrum is None else spectrum.by_band)
     sizes = noise * np.geomspace(1e-3, max(10.0 * float(np.mean(rest**2)) / noise, 1.0), 60)
     longest = max(NOISE_MODEL.longest * n, 2.0)
     lengths = np.geomspace(1.0, longest, max(int(3 * np.log(longest)), 2))
     phi = np.exp(-1.0 / lengths)[:, None]
     shape = (1 - phi**2) / (1 - 2 * phi * np.cos(omega) + phi**2)
-    density = noise + sizes[:, None, None] * shape  # eq. (3)
+    density = white + sizes[:, None, None] * shape  # eq. (3)
     likely = -0.5 * ((np.log(density) + power / density) @ count) + log_prior(sizes / noise)[:, None]
-    nothing = -0.5 * float((np.log(noise) + power / noise) @ count)
+    nothing = -0.5 * float((np.log(white) + power / white) @ count)
     i, j = np.unravel_index(int(np.argmax(likely)), likely.shape)
     there = stretches(time)
     if likely[i, j] <= nothing:
-        return TimeDiscrepancy(there, noise)
-    return TimeDiscrepancy(there, noise, float(sizes[i]), float(lengths[j]))
+        return TimeDiscrepancy(there, noise, spectrum=spectrum)
+    return TimeDiscrepancy(there, noise, float(sizes[i]), float(lengths[j]), spectrum)
 
 
 def _binned(rest: Floats) -> tuple[Floats, Floats, Floats]:
@@ -219,14 +266,19 @@ def _binned(rest: Floats) -> tuple[Floats, Floats, Floats]:
     if n % 2 == 0:
         weight[-1] = 1.0
     omega = 2 * np.pi * np.arange(len(power)) / n
-    edges = np.unique(np.geomspace(1, len(power), NOISE_MODEL.bins).astype(int))
-    starts = np.concatenate([[0], edges[:-1]]) if len(edges) > 1 else np.array([0])
+    starts = _bands(n)
     count = np.add.reduceat(weight, starts)
     return (
         np.add.reduceat(weight * omega, starts) / count,
         np.add.reduceat(weight * power, starts) / count,
         count,
     )
+
+
+def _bands(n: int) -> NDArray[np.intp]:
+    """Return the first frequency of each band of the transform of n values."""
+    edges = np.unique(np.geomspace(1, n // 2 + 1, NOISE_MODEL.bins).astype(int))
+    return np.concatenate([[0], edges[:-1]]) if len(edges) > 1 else np.array([0])
 
 
 def angles_of_poses(record: Record, pose: NDArray[Any]) -> Floats:

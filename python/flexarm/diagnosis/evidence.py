@@ -70,7 +70,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.discrepancy import Discrepancy, in_time, of_poses
+from flexarm.diagnosis.discrepancy import Discrepancy, InputSpectrum, in_time, of_poses
 from flexarm.diagnosis.fit import Fit, NormalEquations, Projection, gls_step, joint_jacobian
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import Rows
@@ -153,15 +153,23 @@ def whitened(values: Floats, problem: Problem, discrepancies: tuple[Discrepancy,
     return found
 
 
-def discrepancies_of(rest: Floats, problem: Problem, non_smooth: bool) -> tuple[Discrepancy, ...]:
-    """Return the most likely discrepancy of each channel of a residual of shape (n,)."""
+def discrepancies_of(
+    rest: Floats, problem: Problem, non_smooth: bool, input_errors: Floats | None = None
+) -> tuple[Discrepancy, ...]:
+    """Return the most likely discrepancy of each channel of a residual of shape (n,).
+
+    Draws of input noise, shape (draws, n), show its spectrum in motions; without them it counts as white.
+    """
     found: list[Discrepancy] = []
     for each, where in problem.channels():
         noise = 1.0 + each.explained_square(non_smooth)
-        if _in_time(each, problem):
+        if not _in_time(each, problem):
+            found.append(of_poses(rest[where], problem.pose_kernels(each), noise))
+        elif input_errors is None:
             found.append(in_time(rest[where], each.time, noise))
         else:
-            found.append(of_poses(rest[where], problem.pose_kernels(each), noise))
+            spectrum = InputSpectrum.of(input_errors[:, where])
+            found.append(in_time(rest[where], each.time, noise - each.input_noise, spectrum))
     return tuple(found)
 
 

@@ -34,7 +34,12 @@ from flexarm.arm.parameter import with_value
 from flexarm.arm.uncertainty import with_unit
 from flexarm.arrays import Floats
 from flexarm.comparison.poses import is_input
-from flexarm.diagnosis.noise_model import smoothed
+from flexarm.diagnosis.noise_model import (
+    allow_for_input_noise,
+    input_noise_by_signal,
+    smoothed,
+    weighted_by_input_noise,
+)
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.effects.encoder_offset import EncoderOffset
@@ -68,12 +73,16 @@ class CoarseEncoder:
         """Return the encoder as a named effect: its step is seen in the readings."""
         step = self.effect.step
         exact = Estimate("step", step, 1e-4 * step, (1 - 2e-4) * step, (1 + 2e-4) * step, "rad")
-        evidence = (
-            f"all readings of {self.effect.at} are {1e3 * step:.4g} mrad apart or multiples of it, "
-            f"{self.over_noise:.0f} times the stated noise; what the arm did between two counts is lost, and "
-            f"moves {self.moves} by {self.error:.1f} times its noise"
+        return NamedEffect(EncoderQuantisation.name, self.effect.at, probability, (exact,), (), self.evidence)
+
+    @property
+    def evidence(self) -> str:
+        """Return what shows the step, and what it does."""
+        return (
+            f"all readings of {self.effect.at} are {1e3 * self.effect.step:.4g} mrad apart or multiples of "
+            f"it, {self.over_noise:.0f} times the stated noise; what the arm did between two counts is lost, "
+            f"and moves {self.moves} by {self.error:.1f} times its noise"
         )
-        return NamedEffect(EncoderQuantisation.name, self.effect.at, probability, (exact,), (), evidence)
 
 
 def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQuantisation, ...]:
@@ -91,6 +100,17 @@ def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQua
         for name, found in steps.items()
         if min(found) > 0 and max(found) < 1.01 * min(found)
     )
+
+
+def with_errors_of_drives(
+    problem: Problem, seed: int
+) -> tuple[Problem, tuple[CoarseEncoder, ...], dict[str, float]]:
+    """Return the problem with what noise and counts of encoders that drive move, coarse encoders, and input
+    noise by signal.
+    """
+    allow_for_input_noise(problem, problem.arm)
+    moved = input_noise_by_signal(problem)
+    return *with_coarse_encoders(weighted_by_input_noise(problem), seed), moved
 
 
 def with_coarse_encoders(problem: Problem, seed: int) -> tuple[Problem, tuple[CoarseEncoder, ...]]:

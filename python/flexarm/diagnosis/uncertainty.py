@@ -5,7 +5,8 @@ What it leaves has the covariance C of noise and discrepancy (`diagnosis.discrep
 
 .. math:: V = H^{-1} (J^T C J + \Lambda) H^{-1}, \quad H = J^T J + \Lambda                              (1)
 
-[White1980]. J are the derivatives of residuals over their noise, Lambda the weights of the priors.
+[White1980]. J are the derivatives of residuals over their noise, Lambda the weights of the priors. A
+calibration weights its rows: there W J stands for J but for one of H (`calibration.estimation`).
 
 Noise of encoders that drive the model is another error: smoothing leaves its slow part, which modes amplify.
 With errors e_k of the residual for draws of that noise (`diagnosis.noise_model`, eq. (1)), V gains
@@ -98,22 +99,31 @@ def deviations(
     """
     jacobian, _, prior = joint_jacobian(fit)
     inverse = NormalEquations.of(jacobian, prior).inverse()
-    scatter = jacobian.T @ evidence_of(fit, problem).covariance_times(jacobian, problem) + np.diag(prior)
-    variance = np.einsum("ij,jk,ki->i", inverse, scatter, inverse)  # eq. (1)
-    if input_errors is not None and len(input_errors):
-        variance += np.mean((input_errors @ jacobian @ inverse) ** 2, axis=0)  # eq. (2)
+    scattered = evidence_of(fit, problem).covariance_times(jacobian, problem)
+    variance = np.diag(robust_covariance(jacobian, scattered, np.diag(prior), inverse, input_errors))
     errors = simulation_errors(problem, fit.non_smooth) if errors is None else errors
     size = np.broadcast_to(errors, len(problem))
-    found: Floats = np.sqrt(variance + surrogates(problem, jacobian, inverse, size) ** 2)
+    found: Floats = np.sqrt(variance + surrogates(problem, jacobian, jacobian @ inverse, size) ** 2)
     return found
 
 
-def surrogates(problem: Problem, jacobian: Floats, inverse: Floats, size: Floats) -> Floats:
-    """Root of (3) for errors of a size over the noise in each row, shape (k + m,); inverse: H^-1."""
+def robust_covariance(
+    weighted: Floats, scattered: Floats, prior: Floats, inverse: Floats, input_errors: Floats | None
+) -> Floats:
+    """Return V of (1) with (2) from W J, C W J, Lambda, H^-1 and e; W is one of a diagnosis."""
+    scatter = weighted.T @ scattered + prior
+    if input_errors is not None and len(input_errors):
+        along = input_errors @ weighted
+        scatter = scatter + along.T @ along / len(input_errors)  # eq. (2)
+    found: Floats = inverse @ scatter @ inverse  # eq. (1)
+    return found
+
+
+def surrogates(problem: Problem, jacobian: Floats, depends: Floats, size: Floats) -> Floats:
+    """Root of (3) for errors of a size over the noise in each row, shape (k + m,); depends: W J H^-1."""
     channels = [where for _, where in problem.channels()]
     largest = np.max([np.mean(jacobian[where] ** 2, axis=0) for where in channels], axis=0)
     shapes = size[:, None] * jacobian / np.sqrt(np.maximum(largest, 1e-300))
-    depends = jacobian @ inverse
     variance = np.zeros(jacobian.shape[1])
     for where in channels:
         a, s = (np.abs(np.fft.fft(x[where], axis=0)) for x in (depends, shapes))

@@ -32,14 +32,12 @@ from flexarm.diagnosis.naming import (
     unfitted_remarks,
 )
 from flexarm.diagnosis.noise_model import (
-    allow_for_input_noise,
     discretisation_remarks,
     impute_noise,
     input_noise_by_signal,
     input_noise_errors,
     input_noise_remarks,
     step_remarks,
-    weighted_by_input_noise,
     with_fine_step,
 )
 from flexarm.diagnosis.nuisance import counted_from_stamps, nuisance_model
@@ -51,7 +49,7 @@ from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.sensors import (
     CoarseEncoder,
     set_zeros,
-    with_coarse_encoders,
+    with_errors_of_drives,
     with_zeros,
     without_idle_zeros,
 )
@@ -188,9 +186,7 @@ def _diagnosis(
     problem = with_fine_step(problem, problem.arm)
     remarks = (*remarks, *step_remarks(step, problem.step / FIT.step_ratio))
     step = problem.step / FIT.step_ratio
-    allow_for_input_noise(problem, problem.arm)
-    input_noise = input_noise_by_signal(problem)
-    problem, coarse = with_coarse_encoders(weighted_by_input_noise(problem), seed)
+    problem, coarse, input_noise = with_errors_of_drives(problem, seed)
     choice = _chosen(problem, tell)
     out = masked_outliers(choice.best, Criteria(problem, choice.null))
     if out.any():
