@@ -12,6 +12,9 @@ from scipy.spatial.transform import Rotation
 from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.comparison import compare
+from flexarm.comparison.align import Alignment
+from flexarm.comparison.alignment_parameters import AlignmentParameter
+from flexarm.comparison.simulated_record import Placement
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import ClockError, Registration, measure
@@ -142,6 +145,13 @@ def test_what_planar_data_do_not_determine_keeps_its_prior_and_is_said(run):
     assert "rotation of tracker about y" in table
     assert "rotation of tracker about x" not in table
     assert "frames against their stated poses, in the base's axes" in table
+
+
+def test_what_moved_far_is_not_told_to_be_as_stated():
+    """A delay in a record whose places are 1000 times too large: no data tell it, and it is not left."""
+    there = AlignmentParameter("tracker", "delay", "", 0.0, 2e-3, 1e-4)
+    for value, left in ((1e-3, ["delay of tracker"]), (0.5, [])):
+        assert Alignment(Placement(), (there,), (value,), (2e-3,)).undetermined == left
 
 
 def test_a_tracker_slower_than_the_mode_sees_no_gap_either():

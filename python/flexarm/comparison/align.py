@@ -66,17 +66,22 @@ class Alignment:
 
     @property
     def undetermined(self) -> list[str]:
-        """Return parameters that the data do not determine."""
+        """Return parameters that the data do not determine, and that stay within their sigma."""
         return [
             str(u)
-            for u, std in zip(self.parameters, self.std, strict=True)
-            if not std < (KEPT * u.sigma if np.isfinite(u.sigma) else np.inf)
+            for u, value, std in zip(self.parameters, self.values, self.std, strict=True)
+            if is_left(value - u.centre, std, u.sigma)
         ]
 
     @property
     def overfitted(self) -> list[str]:
         """Report clocks and frames that were aligned to few readings."""
         return [str(place) for place in self.effective_parameters if place.overfitted]
+
+
+def is_left(moved: float, std: float, sigma: float) -> bool:
+    """Return True if a parameter with a prior of `sigma` is left where it was, for no data tell it."""
+    return not std < (KEPT * sigma if np.isfinite(sigma) else np.inf) and abs(moved) <= sigma
 
 
 def align(simulated: SimulatedRecord, start: Placement) -> Alignment:

@@ -51,7 +51,7 @@ import numpy as np
 
 from flexarm.arm.parameter import with_value
 from flexarm.arrays import Floats
-from flexarm.comparison.align import KEPT
+from flexarm.comparison.align import is_left
 from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.evidence import evidence_of, simulation_errors
 from flexarm.diagnosis.fit import Fit, NormalEquations, joint_jacobian
@@ -171,7 +171,7 @@ def _of_unknowns(fit: Fit, sigma: Floats) -> tuple[tuple[Nuisance, ...], tuple[R
             continue
         name = f"angle.{unknown.key[-1]}" if unknown.kind == "base" else unknown.key.split(".", 3)[3]
         nuisances.setdefault(unknown.place, []).append(Estimate.normal(name, value, std, unknown.unit))
-        if not std < KEPT * unknown.sigma:
+        if is_left(value - unknown.centre, std, unknown.sigma):
             left_open.add((*unknown.place, name))
     found = (
         Nuisance(*place, tuple(each), tuple(e.name for e in each if (*place, e.name) in left_open))

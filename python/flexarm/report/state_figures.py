@@ -83,6 +83,8 @@ def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str
     sigma = factor * float(np.sqrt(np.mean(rows.noise[direction] ** 2)))
     ax.axhspan(-2 * sigma, 2 * sigma, color=NOISE, lw=0, zorder=0, label="noise, 2σ")
     for name, side in sides.items():
+        if direction not in side.directions:  # the frame that was found turns the measured axes out of it
+            continue
         where = side.time if kind == "time" else getattr(of_joint(side.states, joint), kind)
         values = factor * side.directions[direction]
         ax.plot(where, values, ls="none", ms=2.4, mew=0, alpha=0.7, label=name, **LOOKS[name])
@@ -180,8 +182,8 @@ def gap_figure(before: Localisation, after: Localisation | None = None, signal: 
         if name not in model.gaps:
             raise InvalidParameter(f"there is no signal {name!r}; there are {', '.join(model.gaps)}")
     gaps = [(before.gaps[name], BEFORE, "before")] if after else [(before.gaps[name], AFTER, "gap")]
-    gaps += [(after.gaps[name], AFTER, "after")] if after else []
     rows, direction = before.gaps[name], largest_direction(before.gaps[name])
+    gaps += [(after.gaps[name], AFTER, "after")] if after and direction in after.gaps[name].directions else []
     joint = turned_most(before, rows)
     kinds, records = states_drawn([joint]), rows.labels[:4] if joint.moves else ()
     figure = plt.figure(figsize=(9.5, 2.6 * (1 + len(records))), layout="constrained")

@@ -133,7 +133,7 @@ def check(
         remarks += notes
         if name in failed and findings.drive is None:
             doubts.append(f"{name}: the model cannot be simulated: {failed[name]}")
-    remarks += [*remarks_on_poses(named), *mirrored_places(seen)]
+    remarks += remarks_on_poses(named)
     faults = merge_findings(
         [_reconsider(arm, findings, all_findings, named, step, alpha) for findings in all_findings]
     )
@@ -144,6 +144,7 @@ def check(
     sure = {
         v.record: confirmed_inputs(arm, named[v.record], v.channels) for v in all_findings if v.drive is None
     }
+    mirrored = mirrored_places(seen, named)
     compared = {name: tuple(simulated.evidence) for name, simulated in simulations.items()}
     return ValidationResult(
         named,
@@ -151,7 +152,7 @@ def check(
         tuple(outliers),
         (*remarks, *current().remarks),
         {**compared, **dict.fromkeys(empty, ())},
-        (*plausibility_doubts(arm, named, sure), *exchanged_axes(seen), *doubts),
+        (*plausibility_doubts(arm, named, sure), *exchanged_axes(seen), *mirrored, *doubts),
     )
 
 

@@ -14,6 +14,7 @@ from flexarm.report.diagnosis import _figures
 from flexarm.report.files import style
 from flexarm.report.state_figures import (
     against_states,
+    gap_figure,
     located_sides,
     most_repaired,
     rotations,
@@ -48,6 +49,19 @@ def test_dots_are_the_gap_against_the_torque_that_acted():
     assert nominal.get_xdata() == approx(rows.states[0].torque)
     assert nominal.get_ydata() == approx(1e3 * rows.directions["tangential"])
     assert updated.get_ydata() == approx(1e3 * d.located_after.gaps["tip"].directions["tangential"])
+
+
+def test_a_model_without_the_direction_is_left_out_of_the_picture():
+    """A frame turned out of the plane of the measured axes, as two exchanged columns turn it."""
+    d = diagnoses.of_effects()
+    after = d.located_after
+    tip = after.gaps["tip"]
+    lost = replace(tip, directions={k: v for k, v in tip.directions.items() if k != "tangential"})
+    turned = replace(after, gaps={**after.gaps, "tip": lost})
+    with style():
+        figure = against_states(replace(d, located_after=turned))
+        assert len(figure.axes[2].get_lines()) == 1
+        assert "tip, tangential" in gap_figure(d.located, turned).get_suptitle()
 
 
 def test_several_joints_are_shown_with_the_rotation_of_each(bent_elbow):
