@@ -192,15 +192,15 @@ def test_nothing_uncertain_is_refused():
 def family(spread: float) -> Family:
     prior = Prior(1e2, 1e6, 1e4, "log", "N m/rad", "test")
     members = tuple(FreeParameter.of_family(f"k{k}", prior, spread, None) for k in range(3))
-    hierarchy = HierarchicalPrior.of(prior, spread, CalibrationPolicy.family_count)
+    hierarchy = HierarchicalPrior.of(prior, CalibrationPolicy(family_spread=spread))
     return Family("joint_compliance", "stiffness", prior, members, ("a", "b", "c"), hierarchy)
 
 
 def test_the_prior_of_a_family_is_that_of_a_shared_size_and_of_spread():
     """Eq. (1): variance of a member s^2 + tau^2, covariance of two s^2."""
     each = family(0.5)
-    covariance = np.linalg.inv(each.precision())
-    s = each.hyperprior[1]
+    covariance = np.linalg.inv(each.hierarchy.precision(3))
+    s = each.hierarchy.hyperprior[1]
     assert covariance[0, 0] == approx(s**2 + 0.25)
     assert covariance[0, 1] == approx(s**2)
 
@@ -208,7 +208,7 @@ def test_the_prior_of_a_family_is_that_of_a_shared_size_and_of_spread():
 def test_the_spread_is_between_its_prior_and_that_of_the_members():
     """Eq. (3) with nu = 2, tau_0 = 0.5 and members at -1, 0 and 1 about a shared size that is free."""
     u = log(1e4) + np.array([-1.0, 0.0, 1.0])
-    found = family(0.5).with_spread(u, np.zeros(3)).spread
+    found = family(0.5).hierarchy.updated(u, np.zeros(3)).spread
     assert found**2 == approx((2 * 0.25 + 2.0) / 5)
 
 

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-
-from flexarm.arrays import Floats
 from flexarm.calibration.policy import CalibrationPolicy
 
 
@@ -23,12 +19,12 @@ class Range:
 
 @dataclass(frozen=True)
 class CalibratedParameter:
-    """An estimate."""
+    """Estimate of a parameter."""
 
     name: str
     """Key of the model's parameter."""
     kind: str
-    """What it is: "family", "nominal", "clock", "frame", "base"."""
+    """One of "family", "nominal", "clock", "frame", "base"."""
     value: float
     std: float
     low90: float
@@ -36,10 +32,9 @@ class CalibratedParameter:
     """Posterior mode, 1 sigma and 90 % interval [unit]."""
     unit: str
     prior: Range
-    """What was known before."""
+    """Before any data."""
     identifiability: float
-    """Share of the prior variance that the data removed [-], 0 to 1; of a member of a family, of its
-    spread."""
+    """Share of the prior variance that the data removed [-]; of a member of a family, of its spread."""
     family: str = ""
     """Effect of its family; empty without one."""
 
@@ -51,23 +46,21 @@ class CalibratedParameter:
 
 @dataclass(frozen=True)
 class CalibratedFamily:
-    """A family of effects."""
+    """One parameter of an effect at all its places."""
 
     effect: str
     parameter: str
     unit: str
-    """The effect, one of its parameters, and that one's unit."""
     at: tuple[str, ...]
-    """Its places."""
     shared: Range | None
     """Size that the members share; None for errors of either sign."""
     spread: float
-    """Of the members about it: of their logarithms [-], or of errors of either sign [unit]."""
+    """Standard deviation of the members about it: of ln(size) [-], or of errors of either sign [unit]."""
 
 
 @dataclass(frozen=True)
 class CalibratedFrame:
-    """Pose of a frame of measurement in the base, as it was found: xyz [m], and roll, pitch, yaw [rad]."""
+    """Estimated pose of a frame of measurement in the base: xyz [m], and roll, pitch, yaw [rad]."""
 
     name: str
     xyz: tuple[float, ...]
@@ -82,17 +75,11 @@ class ChiSquare:
     """Sum of squared residuals over their stated noise [-]."""
     rows: int
     parameters: float
-    """Effective number of parameters that the data determine: sum of identifiabilities of directions [-]."""
+    """Effective number that the data determine: trace of the covariance times J^T W J [-]."""
     inflation: Mapping[str, float]
-    """By signal: variance of what is left over that of the noise, by which intervals are widened [-]."""
+    """Long-run variance of the residual over that of the noise by signal, which widens intervals [-]."""
 
     @property
     def reduced(self) -> float:
-        """Chi-square over its degrees of freedom [-]; 1 of a model that leaves noise."""
+        """Chi-square over its degrees of freedom [-]; 1 if only noise is left."""
         return self.value / max(self.rows - self.parameters, 1.0)
-
-
-def matrix(values: Any) -> Floats:
-    """Return correlations as a square array."""
-    found = np.asarray(values, dtype=float)
-    return found.reshape(len(found), len(found))

@@ -1,20 +1,18 @@
 """Families: one effect at all places of a kind, as one hypothesis with a hierarchical prior.
 
-Eqs. (1) to (3) are those of `diagnosis.family`. The policy has tau_0 of (1) as `spread` and nu as
-`spread_members`.
+Eqs. (1) to (3) are those of `diagnosis.family`; tau_0 and nu are `family_spread` and `family_count`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
-from flexarm.arrays import Floats
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.diagnosis.candidates import places_of
@@ -37,33 +35,7 @@ class Family:
     """One a place."""
     places: tuple[str, ...]
     hierarchy: HierarchicalPrior
-
-    @property
-    def spread(self) -> float:
-        """Return tau."""
-        return self.hierarchy.spread
-
-    @property
-    def shared(self) -> bool:
-        """Return True if the members have a shared value, eq. (1)."""
-        return self.hierarchy.shared
-
-    @property
-    def hyperprior(self) -> tuple[float, float]:
-        """Return m and s of (1); zeros of (2)."""
-        return self.hierarchy.hyperprior
-
-    def precision(self) -> Floats:
-        """Return the inverse of the prior covariance of the members, shape (n, n)."""
-        return self.hierarchy.precision(len(self.members))
-
-    def shared_value(self, u: Floats) -> float:
-        """Return the posterior mean of mu given the members' u; 0 of (2)."""
-        return self.hierarchy.shared_value(u)
-
-    def with_spread(self, u: Floats, variance: Floats) -> Family:
-        """Return the same with the spread of (3)."""
-        return replace(self, hierarchy=self.hierarchy.updated(u, variance))
+    """Prior of the members."""
 
 
 def with_families(
@@ -86,7 +58,11 @@ def with_families(
                 if f"effects.{name}.{effect.at}.{parameter.split('.')[0]}" not in uncertain:
                     entries.setdefault((parameter, prior.unit), []).append((parameter, prior, effect))
         if not entries:
-            raise InvalidParameter(_nowhere(kind), where=f"families.{name}")
+            needs = f"; it needs {kind.requires} there, so name that family first" if kind.requires else ""
+            raise InvalidParameter(
+                f"{name} can act nowhere in these records, or is uncertain in the model already{needs}",
+                where=f"families.{name}",
+            )
         families += [_family(members, policy) for members in entries.values()]
     return arm, families
 
@@ -135,14 +111,9 @@ def _free(effect: Effect, problem: Problem, arm: Arm) -> Iterator[tuple[str, Pri
             yield name, prior
 
 
-def _nowhere(kind: type[Effect]) -> str:
-    needs = f"; it needs {kind.requires} there, so name that family first" if kind.requires else ""
-    return f"{kind.name} can act nowhere in these records, or is uncertain in the model already{needs}"
-
-
 def _family(members: Sequence[tuple[str, Prior, Effect]], policy: CalibrationPolicy) -> Family:
     parameter, prior, first = members[0]
-    hierarchy = HierarchicalPrior.of(prior, policy.family_spread, policy.family_count)
+    hierarchy = HierarchicalPrior.of(prior, policy)
     free = tuple(
         FreeParameter.of_family(
             f"effects.{effect.name}.{effect.at}.{name}",

@@ -20,21 +20,20 @@ Kind = Literal["clock", "frame", "nominal", "start", "base", "family"]
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """A number that is estimated."""
+    """A parameter that is estimated."""
 
     key: str
     """Parameter of the model."""
     unit: str
     kind: Kind
-    """What it is; a "start" is what the arm swings with where a record begins, "base" how its base stood:
-    "clock", "frame", "nominal", "start", "base", "family"."""
+    """A "start" is an initial vibration of a record, "base" the tilt of its base."""
     scale: Literal["log", "linear"]
     """Of (1)."""
     centre: float
     sigma: float
     """Normal prior of u; of a member of a family that of the member alone."""
     step: float | None = None
-    """Of differences [unit], where laws have corners; None: small ones."""
+    """Step of difference quotients [unit] of non-smooth laws; None: a small one."""
 
     @classmethod
     def of_nuisance(cls, given: NuisanceParameter) -> FreeParameter:
@@ -53,7 +52,7 @@ class FreeParameter:
 
     @property
     def of_record(self) -> bool:
-        """Return True if it belongs to one record and no model, and acts in proportion."""
+        """Return True if it belongs to one record, not to the model: it acts linearly about any model."""
         return self.kind in ("start", "base")
 
     def value(self, u: float) -> float:

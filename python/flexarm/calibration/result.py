@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+import numpy as np
+
 from flexarm.arguments import PATH, takes
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
@@ -38,7 +40,7 @@ class Calibration(BeforeAfter, SavedAsDirectory):
     families : tuple of CalibratedFamily
         In the order asked for.
     frames : tuple of CalibratedFrame
-        Frames of measurement as found.
+        Estimated poses of frames of measurement.
     chi_square : ChiSquare
         Goodness of fit.
     before, after : dict of str to Comparison
@@ -50,7 +52,7 @@ class Calibration(BeforeAfter, SavedAsDirectory):
     main_signal : str
         The signal of the report's `gap`.
     remarks : tuple of str
-        What the reader should know.
+        Sentences on limits of the result.
     provenance : dict
         version, git, inputs_sha256, seconds.
     """
@@ -146,9 +148,20 @@ class Calibration(BeforeAfter, SavedAsDirectory):
         --------
         >>> flexarm.Calibration.load("calibrated").plot(record="other_day")  # doctest: +SKIP
         """
-        from flexarm.calibration.storage import stored
+        from flexarm.report.calibration import KIND, REPORT, CalibrationFile
+        from flexarm.report.storage import stored_parts, tuple_of
 
-        return cls(**stored(path))
+        told, common = stored_parts(path, KIND, REPORT, CalibrationFile)
+        names = told["correlations"]["parameters"]
+        return cls(
+            **common,
+            parameters=tuple_of(CalibratedParameter, told["parameters"], None),
+            correlations=np.reshape(told["correlations"]["matrix"], (len(names), len(names))),
+            families=tuple_of(CalibratedFamily, told["families"], None),
+            frames=tuple_of(CalibratedFrame, told["frames"], None),
+            chi_square=ChiSquare(**{k: v for k, v in told["chi_square"].items() if k != "reduced"}),
+            provenance=told["provenance"],
+        )
 
     def write(self, directory: Path, model: Path | None = None) -> None:
         """Write calibration.json, report.html, updated.toml, gaps.nc and figures into a directory that is

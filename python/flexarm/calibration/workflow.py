@@ -1,4 +1,4 @@
-"""The calibration: clean -> split -> families -> shared sizes -> all parameters -> verify."""
+"""The workflow of a calibration: clean, split, families, shared sizes, all parameters, verification."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from flexarm.calibration.estimates import (
     ChiSquare,
     Range,
 )
-from flexarm.calibration.estimation import Estimation, Posterior, estimates_from_shared_sizes
+from flexarm.calibration.estimation import Estimation, Posterior, posterior_of
 from flexarm.calibration.families import Family, family_kinds, with_families
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
@@ -121,9 +121,7 @@ def _calibration(
     progress: Progress,
 ) -> Calibration:
     """Return the calibration, within the budget of time."""
-    # Share of the work that is left after each step, in the progress: how many follow is not known.
-    share = 0.8
-    begun, rules = time.monotonic(), policy or CalibrationPolicy()
+    begun = time.monotonic()
     tell = progress or (lambda done, what: None)
     family_kinds(families)
     given = named_records(records)
@@ -136,13 +134,12 @@ def _calibration(
     uncertain = with_zeros(arm, parted.training, SelectionPolicy())
     problem = Problem(uncertain, parted.training, step=step, alpha=alpha, jobs=workers)
     problem, coarse, moved = with_errors_of_drives(problem, SEED)
-    estimation = _estimation(problem, families, rules)
-    steps = count(1)
-    posterior = estimates_from_shared_sizes(
-        estimation, estimation.centre, lambda what: tell(0.9 * (1 - share ** next(steps)), what)
-    )[-1]
+    estimation = _estimation(problem, families, policy or CalibrationPolicy())
+    steps = count(1)  # each does a fifth of the rest, as how many follow is not known
+    posterior = posterior_of(estimation, lambda what: tell(0.9 * (1 - 0.8 ** next(steps)), what))
     tell(0.9, "verifying")
-    order = _order(posterior)
+    kinds, free = ("family", "nominal", "clock", "frame", "base"), posterior.estimation.parameters
+    order = [k for kind in kinds for k, parameter in enumerate(free) if parameter.kind == kind]
     told = tuple(_parameter(posterior, k) for k in order)
     model = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)
     updated = without_idle_zeros(_rounded(model, uncertain, told), arm)
@@ -215,20 +212,14 @@ def _rounded(model: Arm, uncertain: Arm, told: Iterable[CalibratedParameter]) ->
     return model
 
 
-def _order(posterior: Posterior) -> list[int]:
-    """Return the places of the parameters in the result: families, nominal values, clocks and frames."""
-    kinds = ("family", "nominal", "clock", "frame", "base")
-    parameters = posterior.estimation.parameters
-    return [k for kind in kinds for k, parameter in enumerate(parameters) if parameter.kind == kind]
-
-
 def _parameter(posterior: Posterior, k: int) -> CalibratedParameter:
     estimation = posterior.estimation
     free, u = estimation.parameters[k], float(posterior.point.u[k])
     sigma = float(np.sqrt(posterior.covariance[k, k]))
     prior = float(np.sqrt(np.linalg.inv(estimation.precision())[k, k]))
     family = next((each for each in estimation.families if k in estimation.columns(each)), None)
-    alone = prior if family is None else family.spread  # what the others tell is no news of this one
+    # what the rest of a family tells of a member is not counted as identified by the data
+    own = prior if family is None else family.hierarchy.spread
     found, guess = _range(free, u, sigma), first_guess(free.key, estimation.problem)
     return CalibratedParameter(
         free.key,
@@ -239,7 +230,7 @@ def _parameter(posterior: Posterior, k: int) -> CalibratedParameter:
         found.high90 + guess,
         free.unit,
         _range(free, float(estimation.centre[k]), prior),
-        float(np.clip(1.0 - (sigma / alone) ** 2, 0.0, 1.0)),
+        float(np.clip(1.0 - (sigma / own) ** 2, 0.0, 1.0)),
         "" if family is None else family.effect,
     )
 
@@ -251,17 +242,17 @@ def _range(free: FreeParameter, u: float, sigma: float) -> Range:
 
 def _family(posterior: Posterior, family: Family) -> CalibratedFamily:
     """Return the shared size of the members, with its uncertainty given theirs."""
-    estimation, shared = posterior.estimation, None
-    if family.shared:
-        columns = estimation.columns(family)
+    hierarchy, shared = family.hierarchy, None
+    if hierarchy.shared:
+        columns = posterior.estimation.columns(family)
         u = posterior.point.u[columns]
-        mu, n = family.shared_value(u), len(u)
-        weight = n / family.spread**2 + 1 / family.hyperprior[1] ** 2
-        mean = np.full(n, 1 / family.spread**2 / weight)
+        mu, n = hierarchy.shared_value(u), len(u)
+        weight = n / hierarchy.spread**2 + 1 / hierarchy.hyperprior[1] ** 2
+        mean = np.full(n, 1 / hierarchy.spread**2 / weight)
         sigma = float(np.sqrt(1 / weight + mean @ posterior.covariance[np.ix_(columns, columns)] @ mean))
         shared = Range(exp(mu), exp(mu - NORMAL_90 * sigma), exp(mu + NORMAL_90 * sigma))
     return CalibratedFamily(
-        family.effect, family.parameter, family.prior.unit, family.places, shared, family.spread
+        family.effect, family.parameter, family.prior.unit, family.places, shared, hierarchy.spread
     )
 
 
@@ -284,8 +275,8 @@ def _chi_square(posterior: Posterior) -> ChiSquare:
     white = posterior.weighting.root(point.jacobian)
     effective = float(np.sum(posterior.inverse * (white.T @ white)))
     inflation: dict[str, list[float]] = {}
-    for (each, _), left in zip(problem.channels(), posterior.weighting.discrepancies, strict=True):
-        inflation.setdefault(each.signal, []).append(left.long_run_variance)
+    for (each, _), discrepancy in zip(problem.channels(), posterior.weighting.discrepancies, strict=True):
+        inflation.setdefault(each.signal, []).append(discrepancy.long_run_variance)
     return ChiSquare(
         float(point.residual @ point.residual),
         len(point.residual),
@@ -295,21 +286,16 @@ def _chi_square(posterior: Posterior) -> ChiSquare:
 
 
 def _remarks(posterior: Posterior, parted: Split) -> list[str]:
-    found: list[str] = [*parted.remarks]
-    if not posterior.converged:
+    found, policy = [*parted.remarks], posterior.estimation.policy
+    if posterior.largest_move >= policy.tolerance:
         k = int(np.argmax(np.abs(posterior.last_move)))
         found.append(
             f"the estimates are not at rest after {posterior.iterations} steps: the last one moves "
             f"{posterior.estimation.parameters[k].key} by {abs(posterior.last_move[k]):.2g} sigma"
         )
-    loud = [
-        name
-        for name, size in _chi_square(posterior).inflation.items()
-        if size > posterior.estimation.policy.inflated
-    ]
-    if loud:
+    if left := [name for name, size in _chi_square(posterior).inflation.items() if size > policy.inflated]:
         found.append(
-            f"a gap stays in {listed(loud)}: intervals are widened by it, and hold if what is left is "
+            f"a gap stays in {listed(left)}: intervals are widened by it, and hold if what is left is "
             "not like what the parameters do"
         )
     return found

@@ -48,6 +48,7 @@ from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.fit import Fit, NormalEquations, joint_jacobian
+from flexarm.diagnosis.policy import FamilyPolicy
 from flexarm.diagnosis.settings import FIT
 from flexarm.named_effects import Place
 
@@ -60,17 +61,17 @@ class HierarchicalPrior:
     """Of one machine's size."""
     prior_spread: float
     count: float
-    """tau_0 and nu of (3)."""
+    """tau_0 and nu of (3); `family_spread` and `family_count` of the policy."""
     spread: float
     """tau of (1) or (2)."""
     mean: float = 0.0
     """mu of (1); 0 of (2)."""
 
     @classmethod
-    def of(cls, prior: Prior, spread: float, count: float) -> HierarchicalPrior:
-        """Return the prior before any data; `spread` is tau_0 of (1) [-]."""
-        own = spread if prior.scale == "log" else (prior.high - prior.low) / (2 * QUANTILE)
-        found = cls(prior, own, count, own)
+    def of(cls, prior: Prior, policy: FamilyPolicy) -> HierarchicalPrior:
+        """Return the prior before any data."""
+        own = policy.family_spread if prior.scale == "log" else (prior.high - prior.low) / (2 * QUANTILE)
+        found = cls(prior, own, policy.family_count, own)
         return replace(found, mean=found.hyperprior[0])
 
     @property
@@ -280,14 +281,11 @@ class EffectFamily(Candidate):
         return [name for name, ((_, own), *_) in self._values.items() if own == parameter]
 
 
-def family_of(members: Sequence[Candidate], arm: Arm, spread: float, count: float) -> EffectFamily | None:
-    """Return the family of candidates that are alike but for their places; None if nothing is alike.
-
-    `spread` and `count` are tau_0 and nu of (3).
-    """
+def family_of(members: Sequence[Candidate], arm: Arm, policy: FamilyPolicy) -> EffectFamily | None:
+    """Return the family of candidates that are alike but for their places; None if nothing is alike."""
     first = members[0]
     hierarchy = {
-        name: HierarchicalPrior.of(prior, spread, count)
+        name: HierarchicalPrior.of(prior, policy)
         for name, prior in first.priors_in(arm).items()
         if name in first.free and name not in first.effect.shape and prior.scale != "uniform"
     }

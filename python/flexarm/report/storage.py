@@ -113,28 +113,20 @@ def stored(path: str | Path) -> dict[str, Any]:
 
     Raise InvalidFile if a file is missing, or is not what a diagnosis wrote.
     """
-    directory, told = stored_object(path, KIND, REPORT, ReportFile)
-    arm, comparisons = stored_gaps(directory / GAPS, KIND)
-    details, updated = told["details"], Arm.from_toml(directory / MODEL)
+    told, common = stored_parts(path, KIND, REPORT, ReportFile)
+    details = told["details"]
     return {
+        **common,
         "verdict": told["verdict"],
-        "arm": arm,
-        "updated": updated,
         "effects": tuple_of(NamedEffect, told["effects"]),
         "nuisances": tuple_of(Nuisance, told["nuisances"]),
-        "refined": tuple(_refined(updated, comparisons["before"], entry) for entry in told["refined"]),
+        "refined": tuple(_refined(common["updated"], common["before"], entry) for entry in told["refined"]),
         "rejected": tuple_of(Rejected, told["provenance"]["rejected"], -math.inf),
         "where": tuple(told["where"]),
-        **comparisons,
-        "training": tuple(details["training"]),
-        "held_out": tuple(details["held_out"]),
-        "hold_out_kind": details["hold_out_kind"],
         "hold_out_why": details["hold_out_why"],
-        "main_signal": told["gap"]["signal"],
         "stages": tuple_of(Stage, details["stages"]),
         "constancy": tuple(details["constancy"]),
         "remainder": details["remainder"],
-        "remarks": tuple(details["remarks"]),
         "next_experiment": told["next_experiment"],
         "statistics": TypeAdapter(FitStatistics).validate_python(details["statistics"]),
         "laws": tuple(_law(entry) for entry in told["laws"]),
@@ -142,28 +134,37 @@ def stored(path: str | Path) -> dict[str, Any]:
     }
 
 
-def stored_gaps(path: Path, kind: str) -> tuple[Arm, dict[str, dict[str, Comparison]]]:
-    """Return the nominal model and the comparisons `before` and `after` in a file of gaps.
-
-    Raise InvalidFile if the file is missing, or is no such file.
-    """
-    dataset = load(path, kind)
-    with reading(path, f"gaps of a {kind}"):
-        return model_of(dataset, path), _comparisons(dataset)
-
-
-def stored_object(
+def stored_parts(
     path: str | Path, kind: str, name: str, form: type[BaseModel]
-) -> tuple[Path, dict[str, Any]]:
-    """Return a directory and the object of its JSON file, by which it may be given, checked by its format."""
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the object of a result's JSON file, and the attributes that results of every kind have.
+
+    The directory may be given by its JSON file.
+
+    Raise InvalidFile if a file is missing, or is not what such a result wrote.
+    """
     given = Path(path)
     file = given if given.suffix == ".json" else given / name
     text = read_text(file)
     try:
-        return file.parent, form.model_validate(json.loads(text)).model_dump()
+        told = form.model_validate(json.loads(text)).model_dump()
     except (ValueError, RecursionError) as error:  # no JSON, or another format
         what = str(error).splitlines()[0]
         raise InvalidFile(file, "file", f"is no report of a {kind} ({what})") from None
+    gaps, details = file.parent / GAPS, told["details"]
+    dataset = load(gaps, kind)
+    with reading(gaps, f"gaps of a {kind}"):
+        arm, comparisons = model_of(dataset, gaps), _comparisons(dataset)
+    return told, {
+        "arm": arm,
+        "updated": Arm.from_toml(file.parent / MODEL),
+        **comparisons,
+        "training": tuple(details["training"]),
+        "held_out": tuple(details["held_out"]),
+        "hold_out_kind": details["hold_out_kind"],
+        "main_signal": told["gap"]["signal"],
+        "remarks": tuple(details["remarks"]),
+    }
 
 
 def tuple_of(kind: type[Any], entries: Any, unknown: float | None = math.nan) -> tuple[Any, ...]:

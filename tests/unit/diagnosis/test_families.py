@@ -19,6 +19,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.family import EffectFamily, HierarchicalPrior, family_of
 from flexarm.diagnosis.moves.families import _in_place_of_singles, without_idle_places
 from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.policy import FamilyPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import Probed
 from flexarm.effects.encoder_offset import EncoderOffset
@@ -49,7 +50,7 @@ def test_the_cost_of_mean_and_spread_is_near_that_of_their_integral(offsets):
     Laplace's approximation of two numbers from five is right within half a unit of ln Z.
     """
     u, tau0, nu = log(2e4) + np.array(offsets), 1.0, 2.0
-    start = HierarchicalPrior.of(PRIOR, tau0, nu)
+    start = HierarchicalPrior.of(PRIOR, FamilyPolicy(tau0, nu))
     m, s = start.hyperprior
     found = start
     for _ in range(50):
@@ -69,7 +70,11 @@ def test_the_cost_of_mean_and_spread_is_near_that_of_their_integral(offsets):
 
 
 def test_a_member_that_nothing_tells_has_the_shared_size_and_spread():
-    found = HierarchicalPrior.of(PRIOR, 1.0, 2.0).updated(log(2e4) + np.zeros(20), np.zeros(20)).of_member()
+    found = (
+        HierarchicalPrior.of(PRIOR, FamilyPolicy(1.0, 2.0))
+        .updated(log(2e4) + np.zeros(20), np.zeros(20))
+        .of_member()
+    )
     assert found.typical == pytest.approx(2e4, rel=0.02)
     assert log(found.high / found.low) == pytest.approx(2 * 1.96 * sqrt(2 / 22), rel=1e-3)  # eq. (3)
 
@@ -81,7 +86,7 @@ def family(shared: bool = True) -> EffectFamily:
     members = [
         Candidate(each, ("stiffness", "damping"), (each,), {"damping": 0.0}) for each in springs("j1", "j2")
     ]
-    found = family_of(members, soft_arm(2), 1.0, 2.0)
+    found = family_of(members, soft_arm(2), FamilyPolicy())
     assert found is not None
     return found if shared else found.opened()
 
@@ -224,7 +229,9 @@ def test_places_leave_each_of_two_families():
     estimator = Estimator.nominal(problem, nuisance_model(problem))
     found = candidates(problem, estimator.nuisance.arm)
     both = [
-        family_of([c for c in found if c.name == kind.name and c.at in names][:5], problem.arm, 1.0, 2.0)
+        family_of(
+            [c for c in found if c.name == kind.name and c.at in names][:5], problem.arm, FamilyPolicy()
+        )
         for kind in (JointCompliance, JointTiltCompliance)
     ]
     null = estimator.fit(())

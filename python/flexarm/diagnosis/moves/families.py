@@ -85,9 +85,7 @@ def probed_families(estimator: Estimator, probed: Sequence[Probed]) -> list[Prob
     """Return the families of single candidates, one a variant, and what their probes move."""
     policy, found = estimator.problem.policy, []
     for alike in _alike(probed, estimator.arm):
-        family = family_of(
-            [p.candidate for p in alike], estimator.arm, policy.family_spread, policy.family_count
-        )
+        family = family_of([p.candidate for p in alike], estimator.arm, policy)
         if len(alike) >= EffectFamily.least_places and family is not None:
             moves = [p.moves for p in alike]
             found.append(Probed(family, np.sum(moves, axis=0) if family.shared else np.hstack(moves)))
