@@ -84,6 +84,26 @@ def crane(boom: dict[str, Any] | None = None) -> flexarm.Arm:
     )
 
 
+def flexible_crane(**more: Any) -> flexarm.Arm:
+    """Return the crane with a boom that is a beam, and with more tables."""
+    return flexarm.Arm.from_dict({**crane(beam("boom", 3.0, side=0.15)).to_dict(), **more})
+
+
+def crane_record(arm: flexarm.Arm, lift: flexarm.Drive, step: float, seed: int) -> flexarm.Record:
+    """Return a virtual record of the tip of a crane at 20 Hz and 20 micrometres of noise."""
+    rng = np.random.default_rng(seed)
+    stamps, told = np.arange(0.05, lift.end - 0.04, 0.05), np.linspace(0.0, lift.end, 201)
+    tip = flexarm.simulate(arm, lift, step=step).at(stamps, "tip") + 2e-5 * rng.normal(size=(len(stamps), 3))
+    stroke = flexarm.Signal(
+        name="stroke", quantity="joint_angle", joint="piston", side="motor", unit="m", time=told,
+        values=lift.joints["piston"](told) + 1e-6 * rng.normal(size=len(told)), noise_std=1e-6,
+    )  # fmt: skip
+    seen = flexarm.Signal(
+        name="tip", quantity="position", point="tip", time=stamps, values=tip, noise_std=2e-5
+    )
+    return flexarm.Record(signals=[stroke, seen], drive="stroke")
+
+
 CRANK, COUPLER, ROCKER, GROUND = 0.4, 1.1, 0.8, 1.0
 """Lengths of the bars of `four_bar` [m]; the shortest turns round."""
 

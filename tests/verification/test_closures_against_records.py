@@ -1,13 +1,12 @@
 """Arms with closed loops beside records: derivatives, comparison, calibration and diagnosis of a crane."""
 
-from typing import Any
-
 import loops
 import numpy as np
 import pytest
+from loops import flexible_crane as crane
 
 import flexarm
-from flexarm import Arm, Record, Signal
+from flexarm import Arm, Record
 from flexarm.arm.parameter import with_value
 from flexarm.diagnosis.noise_model import with_fine_step
 from flexarm.diagnosis.problem import Problem
@@ -24,11 +23,6 @@ EYE = {"name": "coulomb_friction", "at": "rod_eye", "torque": 1500.0}
 COMPLIANCE = {"name": "joint_compliance", "at": "piston", "stiffness": 4e6, "damping": 2e4}
 
 
-def crane(**more: Any) -> Arm:
-    """A crane with a flexible boom."""
-    return Arm.from_dict({**loops.crane(loops.beam("boom", 3.0, side=0.15)).to_dict(), **more})
-
-
 def lift(rate: float = 1.5, end: float = 2.0) -> flexarm.Drive:
     """A stroke that begins and ends at rest."""
     t = np.linspace(0, end, 201)
@@ -38,33 +32,8 @@ def lift(rate: float = 1.5, end: float = 2.0) -> flexarm.Drive:
 
 
 def record(arm: Arm, rate: float, seed: int) -> Record:
-    """A virtual record of the tip at 20 Hz and 20 micrometres of noise.
-
-    A quarter millisecond misses 0.5 micrometres of the undamped boom's swing. 2 ms miss 45, which would count
-    as a gap: a diagnosis corrects its own time steps.
-    """
-    rng = np.random.default_rng(seed)
-    drive = lift(rate)
-    run = flexarm.simulate(arm, drive, step=2.5e-4)
-    stamps, told = np.arange(0.05, 1.95, 0.05), np.linspace(0, 2, 201)
-    tip = run.at(stamps, "tip") + 2e-5 * rng.normal(size=(len(stamps), 3))
-    angle = np.array([drive.joints["piston"](t) for t in told]) + 1e-6 * rng.normal(size=len(told))
-    return Record(
-        signals=[
-            Signal(
-                name="stroke",
-                quantity="joint_angle",
-                joint="piston",
-                side="motor",
-                unit="m",
-                time=told,
-                values=angle,
-                noise_std=1e-6,
-            ),
-            Signal(name="tip", quantity="position", point="tip", time=stamps, values=tip, noise_std=2e-5),
-        ],
-        drive="stroke",
-    )
+    """Return a virtual record of steps that err by 0.5 micrometres; of 2 ms it would be 45, a gap."""
+    return loops.crane_record(arm, lift(rate), 2.5e-4, seed)
 
 
 def test_derivatives_of_an_equilibrium_are_those_of_differences():
