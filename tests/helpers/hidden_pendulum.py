@@ -25,8 +25,8 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.verification import SplitRecords
-from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.policy import LawPolicy
+from flexarm.missing_law.prediction import LawCheck
 from flexarm.missing_law.search import MissingLaws, missing_laws
 from flexarm.record import Clock, Frame, Record, Signal
 

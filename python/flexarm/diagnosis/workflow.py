@@ -62,7 +62,7 @@ from flexarm.diagnosis.uncertainty import (
     restore_unidentifiable,
 )
 from flexarm.diagnosis.verification import SplitRecords, main_signal, moved, repaired, verified, worth_keeping
-from flexarm.missing_law.check import LawCheck
+from flexarm.missing_law.prediction import LawCheck
 from flexarm.missing_law.search import MissingLaws, law_remarks, missing_laws
 from flexarm.named_effects import NamedEffect
 from flexarm.threads import one_blas_thread
@@ -218,7 +218,8 @@ def _diagnosis(
         ground = LawCheck(split_records, arm, updated, signal)
         missing = missing_laws(choice.estimator, simplest_first, ground)
     if missing.added is not None:
-        updated, members, sizes = missing.added.arm, missing.added.members, missing.added.sizes
+        fitted = missing.added.fitted
+        updated, members, sizes = missing.added.arm, fitted.fit.members, fitted.sizes
         refined = tuple(filter(moved, sizes.refined))
     tell(0.95, "verifying")
     encoders = [encoder.effect for encoder in coarse]

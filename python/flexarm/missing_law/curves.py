@@ -105,7 +105,7 @@ def _with_branches(
     shown = branches[-1:] if curve.kind == "change" else branches
     first = shown[0]
     covariance = root[first] @ root[first].T
-    shape = closest_shape(x, mean[first], covariance, policy.shape_error, curve.unit, curve.of, curve.of_unit)
+    shape = closest_shape(x, mean[first], covariance, policy, curve.unit, curve.of, curve.of_unit)
     says = _sentence(curve.quantity, curve.at, curve.of, shape)
     if curve.kind == "law with memory":
         says += ", with another branch where the angle falls"

@@ -18,7 +18,7 @@ is v (1 + U U^T), and a block b left out has the predictive density [Rasmussen20
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -27,6 +27,7 @@ from scipy.sparse import csr_matrix
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.fit import Projection
+from flexarm.missing_law.policy import LawPolicy
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +37,9 @@ class GaussianData:
     y: Floats
     """Minus the residual over its noise, shape (n,)."""
     projection: Projection
-    """What eliminates nuisance parameters."""
+    """Eliminates nuisance parameters."""
+    policy: LawPolicy = field(default_factory=LawPolicy)
+    """Has the grid of s and v."""
 
     @property
     def nuisance(self) -> Floats:
@@ -132,7 +135,7 @@ class GaussianModel:
         return total
 
     def left(self) -> float:
-        """Return the squared residual that the posterior mean leaves, nuisance parameters fitted along."""
+        """Return the squared residual of the posterior mean, nuisance parameters fitted along."""
         mean, _ = self.posterior()
         rest = self.data.projection.project(self.data.y - self.factor @ mean)
         return float(rest @ rest)
@@ -140,7 +143,7 @@ class GaussianModel:
 
 @dataclass(frozen=True, eq=False)
 class ColumnSpace:
-    """Columns R, shape (n, m), of which A = R L is made for many L, shape (m, k), and what (2) needs."""
+    """Columns R, shape (n, m), and the products of (2), for A = R L of many L, shape (m, k)."""
 
     data: GaussianData
     """y and B."""
@@ -155,12 +158,12 @@ class ColumnSpace:
 
     @classmethod
     def of(cls, data: GaussianData, columns: Floats | csr_matrix) -> ColumnSpace:
-        """Project columns and data; sparse columns are those that nuisance parameters hardly explain."""
+        """Project columns and data; dense columns are projected, of sparse ones their explained part."""
         y = data.projection.project(data.y)
         if isinstance(columns, csr_matrix):
             explained = data.projection.explained(columns)
             gram = (columns.T @ columns).toarray() - explained.T @ explained
-            moment = columns.T @ y[: len(data.y)]  # P y is normal to what P takes away
+            moment = columns.T @ y[: len(data.y)]  # P y is orthogonal to the eliminated columns
             return cls(data, columns, gram, moment, float(y @ y))
         projected = data.projection.project(columns)
         return cls(data, columns, projected.T @ projected, projected.T @ y, float(y @ y))
@@ -172,7 +175,7 @@ class ColumnSpace:
         return replace(self, data=data, moment=moment, square=float(y @ y))
 
     def spectrum(self, root: Floats) -> tuple[Floats, Floats]:
-        """Return Lambda and V of A = R L, which are the same for another y."""
+        """Return Lambda and V of A = R L, which do not depend on y."""
         values, vectors = np.linalg.eigh(root.T @ self.gram @ root)
         return np.maximum(values, 0.0), vectors
 
@@ -203,12 +206,12 @@ class ColumnSpace:
         self, root: Floats, spectrum: tuple[Floats, Floats] | None
     ) -> tuple[Floats, Floats, Floats]:
         """Return (2) over a grid, shape (s, v), and the values of s and v."""
-        n, yy = len(self.data.y), self.square
+        n, yy, policy = len(self.data.y), self.square, self.data.policy
         values, vectors = spectrum or self.spectrum(root)
         c = vectors.T @ (root.T @ self.moment)
         greatest = float(values.max(initial=0.0)) or 1.0
-        sizes2 = np.concatenate([[0.0], np.geomspace(1.0, 1e12, 61) / greatest])
-        noises = np.geomspace(1.0, max(yy / n, 1.0) * 1.01, 25)
+        sizes2 = np.concatenate([[0.0], np.geomspace(1.0, policy.size_range, policy.sizes) / greatest])
+        noises = np.geomspace(1.0, max(yy / n, 1.0) * 1.01, policy.noises)  # not of one value
         part = sizes2[:, None] / noises
         more = 1.0 + part[:, :, None] * values
         square = yy - part * ((1.0 / more) @ c**2)
@@ -219,7 +222,7 @@ class ColumnSpace:
 def matern_root(places: Floats, length: float) -> Floats:
     """Return L of K = L L^T, the Matern covariance (5/2) of size one [Rasmussen2006, 4.2.1], shape (m, k).
 
-    It has no more columns than matter: directions of less than 1e-12 of the greatest variance are left out.
+    Directions of less than 1e-12 of the greatest variance, which are rounding, are left out.
     """
     d = np.sqrt(5.0) * np.abs(places[:, None] - places[None]) / length
     variances, directions = np.linalg.eigh((1 + d + d**2 / 3) * np.exp(-d))

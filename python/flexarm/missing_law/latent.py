@@ -71,7 +71,7 @@ class Latent:
 
 
 def noise_scale(problem: Problem, fit: Fit) -> Floats:
-    """Return what divides residuals where input noise and time steps add to the noise, shape (n,)."""
+    """Return the total noise, with input noise and discretisation error, over that of the sensors, (n,)."""
     found = np.ones(len(problem))
     for rows, where in problem.channels():
         found[where] = np.sqrt(1.0 + rows.explained_square(fit.non_smooth))
@@ -88,19 +88,19 @@ def nuisance_projection(problem: Problem, fit: Fit) -> Projection:
 def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[Latent]:
     """Yield the latent motion of each place: driven joints, axes of the base, sensors.
 
-    Sensors are left out whose offset cannot come near the likeliest joint.
+    Sensors whose offset cannot be as likely as the likeliest joint are left out.
     """
     arm, best = with_members(fit.nuisance.arm, fit.members), -np.inf
     for joint in _likely_joints(problem, fit, arm, policy):
         try:
-            found = _of_joint(joint, problem, fit, arm, policy)
+            found = _windup(joint, problem, fit, arm, policy)
         except FIT_ERRORS:
             continue
         if found is not None:
             best = max(best, found.model.log_evidence if found.gain > policy.evidence else -np.inf)
             yield found
     for axis, bases, jacobian in base_responses(problem, arm, policy):
-        yield _exact(BASE, f"rotation about {axis}", "rad", problem, fit, bases, jacobian, policy)
+        yield _linear(BASE, f"rotation about {axis}", "rad", problem, fit, bases, jacobian, policy)
     motions = (rows for rows in problem.rows if problem.records[rows.record].kind == "motion")
     for signal in dict.fromkeys(rows.signal for rows in motions):  # free in each pose, an offset is noise
         if offset_evidence_bound(signal, problem, fit) > best - problem.policy.reach:
@@ -108,7 +108,7 @@ def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[La
 
 
 def _likely_joints(problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> list[str]:
-    """Return the driven joints; of many those whose coarse latent motion is the most likely."""
+    """Return the driven joints; of many those with the greatest evidence of a coarse latent motion."""
     names = {joint for name in problem.records for joint in driven_joints(problem, arm, name)}
     joints = [each.name for each in arm.moving_joints if each.name in names]
     if len(joints) <= policy.most_joints:
@@ -117,7 +117,7 @@ def _likely_joints(problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> l
     evidence = {}
     for joint in joints:
         try:
-            found = _of_joint(joint, problem, fit, arm, coarse)
+            found = _windup(joint, problem, fit, arm, coarse)
         except FIT_ERRORS:
             continue
         if found is not None:
@@ -125,31 +125,25 @@ def _likely_joints(problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> l
     return sorted(evidence, key=lambda joint: -evidence[joint])[: policy.most_joints]
 
 
-def _of_joint(joint: str, problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> Latent | None:
-    """Return the latent windup of a joint; None if the time for it ends."""
+def _windup(joint: str, problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> Latent | None:
+    """Return the latent windup of a joint, relinearised; None if the time for it ends."""
     response = WindupResponse.of(problem, arm, joint, policy)
     if response is None:
         return None
-    unit = "m" if slides(arm, joint) else "rad"
-    return _inferred(joint, "windup", unit, problem, fit, response, policy)
-
-
-def _inferred(
-    at: str, quantity: str, unit: str, problem: Problem, fit: Fit, response: WindupResponse, policy: LawPolicy
-) -> Latent:
-    """Return the latent motion of a joint, linearised until it rests."""
     scale, projection = noise_scale(problem, fit), nuisance_projection(problem, fit)
     jacobian = response.jacobian / scale[:, None]
     residual = fit.residual / scale
-    data = GaussianData(-residual, projection)
+    data = GaussianData(-residual, projection, policy)
     bases, space = list(response.bases.values()), ColumnSpace.of(data, jacobian)
     roots = _roots(space, bases, policy)
     for round_ in range(policy.linearisations + 1):
         model, mean, deviation, length = _most_likely(space, roots)
         if round_ < policy.linearisations:
             moved = response.moved(mean) / scale
-            space = space.about(GaussianData(-(residual + moved - jacobian @ mean), projection))  # eq. (2)
-    return Latent(at, quantity, unit, space.data, model, length, mean, deviation, bases, response)
+            y = jacobian @ mean - residual - moved  # eq. (2)
+            space = space.about(GaussianData(y, projection, policy))
+    unit = "m" if slides(arm, joint) else "rad"
+    return Latent(joint, "windup", unit, space.data, model, length, mean, deviation, bases, response)
 
 
 def _roots(space: ColumnSpace, bases: Sequence[Basis], policy: LawPolicy) -> _Roots:
@@ -168,7 +162,7 @@ def _most_likely(space: ColumnSpace, roots: _Roots) -> tuple[GaussianModel, Floa
     return model, root @ mean, root @ (np.sqrt(model.noise) * deviation), length
 
 
-def _exact(
+def _linear(
     at: str,
     quantity: str,
     unit: str,
@@ -180,14 +174,14 @@ def _exact(
 ) -> Latent:
     """Return the latent motion of a place whose response is linear; jacobian has shape (n, m)."""
     scale = noise_scale(problem, fit)
-    data = GaussianData(-fit.residual / scale, nuisance_projection(problem, fit))
+    data = GaussianData(-fit.residual / scale, nuisance_projection(problem, fit), policy)
     space = ColumnSpace.of(data, diags(1 / scale) @ jacobian)
     model, mean, deviation, length = _most_likely(space, _roots(space, bases, policy))
     return Latent(at, quantity, unit, data, model, length, mean, deviation, bases)
 
 
 def offset_evidence_bound(signal: str, problem: Problem, fit: Fit) -> float:
-    """Return what the log evidence of a sensor's offset is less than: all rows explained at no cost."""
+    """Return an upper bound of the log evidence of a sensor's offset: all its rows explained at no cost."""
     scale, of = noise_scale(problem, fit), nuisance_projection(problem, fit)
     others = np.ones(len(scale), dtype=bool)
     for each, where in problem.channels():
@@ -213,4 +207,4 @@ def _offset(signal: str, problem: Problem, fit: Fit, policy: LawPolicy) -> Laten
     unit = {"position": "m", "orientation": "-"}.get(
         problem.records[rows[0].record].signals[signal].quantity, ""
     )
-    return _exact(signal, "offset", unit, problem, fit, bases, jacobian.tocsr(), policy)
+    return _linear(signal, "offset", unit, problem, fit, bases, jacobian.tocsr(), policy)

@@ -9,8 +9,8 @@ N are the splines and y the state at instants much finer than their knots, H int
 knots of the curve, K is the Matern covariance of these. So a curve is inferred from the data, not from the
 latent motion. A *law* has one curve; a *law with memory* one for each sense of the motion; a *change* one
 before and one after an instant, in each record or once in one of them. Hyperparameters maximise the marginal
-likelihood; the kind and the state are decided by the predictive density of blocks left out (`gaussian`,
-eq. (3)): a curve learned on some data predicts the rest, with its own uncertainty. The probability of an
+likelihood; the kind and the state are selected by the predictive density of blocks left out (`gaussian`,
+eq. (3)). The probability of an
 instant is that of the evidence over all instants.
 """
 
@@ -45,7 +45,7 @@ class Law:
     """A curve or two over a state."""
 
     kind: LawKind
-    """What tells the curves apart: "law", "law with memory", "change"."""
+    """One curve, one for each sense of motion ("law with memory"), or one before and after a "change"."""
     of: str
     knots: Floats
     """Of the state, shape (k,)."""
@@ -125,7 +125,7 @@ def _interpolation(y: Floats, knots: Floats) -> csr_matrix:
 
 
 def blocks_of(problem: Problem, policy: LawPolicy) -> list[NDArray[np.intp]]:
-    """Return rows of blocks of time, or of every so manieth pose, all signals of a record together."""
+    """Return rows of blocks of time, or of interleaved poses, all signals of a record together."""
     found = []
     for name in problem.records:
         rows = list(problem.rows_of(name))
@@ -184,7 +184,7 @@ class LawSearch:
             return None
         (instant, only), _ = max(tried, key=lambda each: each[1])
         step = float(np.ptp(self.states.time)) / self.policy.instants
-        near = instant + np.linspace(-step, step, 21)
+        near = instant + np.linspace(-step, step, 2 * self.policy.finer + 1)
         values = np.array([self._evidence_of_change(of, (t, only), length) for t in near])
         weight = np.exp(values - values.max())
         share = np.cumsum(weight) / weight.sum()
@@ -260,12 +260,13 @@ class LawSearch:
         )
 
     def best(self) -> list[Law]:
-        """Return a law of each state, the best first: of several kinds the simplest that predicts."""
-        return sorted((self._of(each) for each in self.states.values), key=lambda law: -law.predictive)
+        """Return a law of each state, the most predictive first."""
+        return sorted((self._simplest(each) for each in self.states.values), key=lambda law: -law.predictive)
 
-    def _of(self, of: str) -> Law:
+    def _simplest(self, of: str) -> Law:
+        """Return the law of a state of the simplest kind that no other clearly outdoes."""
         chosen = self.law(of)
-        if "rate" not in self.states.values:  # poses: no sense of motion, and no instants
+        if "rate" not in self.states.values:  # of poses
             return chosen
         length = max(self.policy.curve_lengths)
         for other in (self.with_memory(of), self.change(of, length)):

@@ -20,7 +20,7 @@ class LawPolicy:
     perturbation: float = 1e-3
     """Perturbation of poses for a difference quotient [rad, m], above where Newton's iterations stop."""
     batch: int = 64
-    """Splines whose responses one run gives [1], after which the budget of time is looked at."""
+    """Splines that one run differentiates [1]; between runs the budget of time is checked."""
     most_joints: int = 3
     """Joints whose latent motion is inferred [1]: the best ones of a linear pass over all."""
     pass_spacing: float = 0.4
@@ -40,17 +40,31 @@ class LawPolicy:
     blocks: int = 8
     """Blocks a record of cross-validation [1]: longer than what a smooth latent motion bridges."""
     instants: int = 40
-    """Instants a record at which a law may change [1]; the best ones are scanned ten times as finely."""
+    """Instants a record at which a law may change [1]."""
+    finer: int = 10
+    """Instants between two of these, about the most likely one [1]: its interval is found among them."""
     evidence: float = 6.0
     """Difference of log evidence that decides [-]: odds of 400."""
     least_share: float = 0.5
     """Part of what the latent motion explains [-] that a law explains."""
     clear_share: float = 0.9
-    """The same [-] from which a curve is told though a motion in time predicts the linear data better."""
+    """The same [-] from which a curve is reported though a motion in time predicts the data better."""
     memory_share: float = 0.02
     """The same [-] that two branches, or an instant, explain beyond one curve."""
     shape_error: float = 0.1
     """Rms difference from a known shape over the peak [-] up to which a curve has that shape."""
+    shape_scatter: float = 0.02
+    """Error of knots over the peak [-] beside their covariance: real curves have no exact shape."""
+    size_range: float = 1e12
+    """Ratio of greatest and least prior variance of the grid [-]: from no motion to any."""
+    sizes: int = 61
+    """Prior variances of the grid [1]: a factor of 1.6 apart."""
+    noises: int = 25
+    """Noise variances of the grid [1], from the sensors' own to that of the whole residual."""
+    least_turns: float = 2.0
+    """Turns of a motor [1] from which its angle within a turn is a state: to tell it from the joint's."""
+    turn_step: float = 0.125
+    """Greatest part of a turn between samples [1]: eight samples show a sine."""
     most_laws: int = 4
     """Laws that are reported [1]."""
     line_prior: float = 3.0
@@ -58,16 +72,16 @@ class LawPolicy:
     refits: int = 4
     """Most Gauss-Newton steps of the knots of a law through the simulation [1]."""
     convergence: float = 1.0
-    """Squared change of the residual over its noise [-] at which steps end: none moves by its deviation."""
+    """Squared change of the residual over its noise [-] of a converged step: no value moves by a sigma."""
     law_step: float = 0.05
     """Perturbation of a law for a difference quotient over its peak [-]: larger than its wiggles."""
     least_mode: float = 1e-3
     """Size of the least mode of a curve that is fitted, over that of the greatest one [-]."""
     adequate_noise: float = 1.5
-    """Variance over that of the noise [-] up to which one curve leaves nothing for two."""
+    """Residual variance over that of the noise [-] up to which one curve is adequate."""
     least_closed: float = 0.1
-    """Part of the held-out gap [-] that a law of the updated model closes: more than a new draw of noise."""
+    """Least part of the held-out gap [-] that a law of the updated model removes: more than noise does."""
     window: float = 0.2
     """Window of the states that a law without a table acts along [s]: half a period of the first mode."""
     rounds: int = 3
-    """Runs in which such a law and its states settle [1]."""
+    """Fixed-point iterations of such a law and its states [1]."""

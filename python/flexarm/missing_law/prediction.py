@@ -1,24 +1,28 @@
-"""Gap of records with a law: the motion that it predicts is put into the drive.
+"""Gap of records with a law: of models that have it as an effect, and of runs along its windup.
 
-A law needs the states of the run that it moves. A run without it gives the first ones, its own runs the next;
-these are means over `policy.window`, so that rounds converge at the first mode.
+A law that is no effect of a model is a windup along states of the run that it moves. A run without it gives
+the first states, its own runs the next: a fixed-point iteration of `policy.rounds`. States are means over
+`policy.window`, so that it converges at the first mode.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from flexarm.arm import Arm
 from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.pooled_gap import pooled_gap
 from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.simulation_cache import SimulationCache
+from flexarm.diagnosis.verification import Gaps, SplitRecords
 from flexarm.law_curve import LawGap
 from flexarm.missing_law.basis import TimeBasis
 from flexarm.missing_law.latent import Latent
@@ -29,6 +33,39 @@ from flexarm.missing_law.windup import drive_plus
 
 if TYPE_CHECKING:
     from flexarm.record import Record
+
+
+@dataclass(frozen=True, eq=False)
+class LawCheck:
+    """Records with which laws are verified, and the model without one."""
+
+    records: SplitRecords
+    """Those that were fitted, and those held out."""
+    stated: Arm
+    updated: Arm
+    """The nominal model as given, and the one that a diagnosis repaired without a law."""
+    signal: str
+    """The signal of the gap."""
+
+    @cached_property
+    def before(self) -> Gaps:
+        """Return the gap of the model without a law by record."""
+        return self.records.gaps(self.updated)
+
+    def gaps(self, arm: Arm) -> tuple[LawGap, LawGap]:
+        """Return the gap without and with a law, as `flexarm compare` prints it: fitted, and held out."""
+        after = self.records.gaps(arm)
+        train, held_out = (
+            LawGap(**asdict(pooled_gap(self.before, after, names, self.signal)))
+            for names in (self.records.training, self.records.held_out)
+        )
+        return train, held_out
+
+    def accepts(self, held_out: LawGap, policy: LawPolicy) -> bool:
+        """Return True if a law predicts enough of what was held out."""
+        if held_out.before_rms is None or held_out.after_rms is None:
+            return False
+        return held_out.after_rms < (1 - policy.least_closed) * held_out.before_rms
 
 
 def gaps_with_law(
@@ -84,7 +121,7 @@ def _runs(
     fine = basis.fine(policy)
     window = max(int(policy.window / float(np.median(np.diff(run.time)))), 1)
     for _ in range(policy.rounds):
-        states = states_of(run, joint, run.time, arm.joint(joint).gear_ratio)
+        states = states_of(run, joint, run.time, arm.joint(joint).gear_ratio, policy)
         slow = {
             key: np.interp(
                 fine,

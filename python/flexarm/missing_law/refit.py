@@ -7,22 +7,23 @@ A law is the effect `tabulated_law` of a model, f its values at the knots. About
 
 z are parameters of found effects with a flat prior, x nuisance parameters. K is a Matern covariance plus
 that of any straight line [Rasmussen2006, 2.7], which clocks and loads imitate: without it a small s would be
-taken for knowledge of these. Sizes s and lengths l count by their marginal likelihood (`gaussian`), which the
-noise v maximises. The mean of (1) is the next model, unless it raises
+taken for knowledge of these. Sizes s and lengths l are weighted by their marginal likelihood (`gaussian`),
+which the noise v maximises. The mean of (1) is the next model, unless it raises
 
 .. math:: \Phi = (|r|^2 + |x/\sigma|^2)/v + |L^{-1} f|^2, \quad s^2 K = L L^T                            (2)
 
-Then the step is halved. Iterations end where residuals rest. Source: Gauss-Newton [Nocedal2006].
+Then the step is halved. They end where the residual changes no more. Source: Gauss-Newton [Nocedal2006].
 
 J_f are differences along smooth curves u of the knots, which span the priors,
 
 .. math:: J_f u = (r(f + h u) - r(f - h u))/(2 h)                                                      (3)
 
-The exact derivatives by single values would not do: where a curve is level or turns, a monotone cubic has
-slopes that are no smooth function of its values, and tangents there hold for next to no change.
+Exact derivatives with respect to single values would not do: where a curve is level or turns, the slopes of
+a monotone cubic are no smooth function of its values, so tangents hold for tiny changes only.
 
 A change has two curves of the same prior, f = (f_0, f_1), and its instant is one more nuisance parameter,
-with a flat prior; a law with memory has two as well. Derivatives by the instant are differences too.
+with a flat prior; a law with memory has two as well. The derivative with respect to the instant is a
+difference quotient too.
 """
 
 from __future__ import annotations
@@ -69,7 +70,7 @@ class FittedLaw:
 
 
 def fitted_law(estimator: Estimator, fit: Fit, law: TabulatedLaw, policy: LawPolicy) -> FittedLaw:
-    """Return a law whose values are fitted from a first guess, beside the effects of a fit without it.
+    """Return a law whose values are fitted from a first guess, along with the effects of a fit without it.
 
     Raise InvalidParameter or NotConverged or LinAlgError if the model with the first guess cannot be
     simulated.
@@ -80,10 +81,10 @@ def fitted_law(estimator: Estimator, fit: Fit, law: TabulatedLaw, policy: LawPol
     for _ in range(policy.refits):
         if not allows("a missing law was fitted until it rests"):
             break
-        moved = here.accepted(step, policy)
-        if moved is None:
+        after = here.accepted(step, policy)
+        if after is None:
             break
-        here, step = moved, moved.step(policy)
+        here, step = after, after.step(policy)
         if step.converged(policy):
             break
     return here.fitted_law(step)
@@ -146,16 +147,16 @@ class _Mixture:
         curves = [
             (root @ mean, root @ spread) for root, (mean, spread) in ((r, m.posterior()) for m, r in tried)
         ]
-        beside = [each.nuisance_posterior() for each, _ in tried]
+        others = [each.nuisance_posterior() for each, _ in tried]
         values = np.sum([w * value for w, (value, _) in zip(weight, curves, strict=True)], axis=0)
-        nuisance = np.sum([w * x for w, (x, _) in zip(weight, beside, strict=True)], axis=0)
+        nuisance = np.sum([w * x for w, (x, _) in zip(weight, others, strict=True)], axis=0)
         root = np.column_stack(
             [
                 np.sqrt(w) * np.column_stack([spread, value - values])
                 for w, (value, spread) in zip(weight, curves, strict=True)
             ]
         )
-        square = [w * (std**2 + (x - nuisance) ** 2) for w, (x, std) in zip(weight, beside, strict=True)]
+        square = [w * (std**2 + (x - nuisance) ** 2) for w, (x, std) in zip(weight, others, strict=True)]
         return cls(model, prior, values, root, nuisance, np.sqrt(np.sum(square, axis=0)))
 
 
@@ -192,7 +193,7 @@ class _Step:
 
 @dataclass(frozen=True, eq=False)
 class _Linearised:
-    """A model with a law, and the derivatives of (1) about it, those of the law over the noise's `scale`."""
+    """A model with a law, and the derivatives of (1) about it over the noise's `scale`."""
 
     estimator: Estimator
     fit: Fit
@@ -210,7 +211,7 @@ class _Linearised:
         policy: LawPolicy,
         by_modes: Floats | None = None,
     ) -> _Linearised:
-        """Return the model with its derivatives; those by modes are kept where they are given."""
+        """Return the model with its derivatives; those along modes are computed unless given."""
         problem = estimator.problem
         there = estimator.as_stated((), members)
         fit = there.linearised(members)
@@ -269,7 +270,7 @@ class _Linearised:
         estimator, law = self.estimator, self.law
         knots, projection, jacobian = np.array(law.x), self.projection, self.jacobian
         y = jacobian @ law.values - self.fit.residual / self.scale
-        data = GaussianData(y, projection)
+        data = GaussianData(y, projection, policy)
         tried = []
         for length in policy.curve_lengths:
             prior = block_diag(*[curve_root(knots, length, policy)] * len(law.branches))
@@ -294,7 +295,7 @@ class _Linearised:
             _member(law),
         )
 
-    def moved(self, step: _Step) -> Estimator:
+    def estimator_at(self, step: _Step) -> Estimator:
         """Return the estimator about the nuisance parameters of a step."""
         known: Mapping[str, float] = {
             unknown.key: unknown.kept(float(x))
@@ -304,7 +305,7 @@ class _Linearised:
 
     def objective(self, step: _Step) -> float:
         """Return (2), simulated."""
-        there = self.moved(step).residual(self.members(step))
+        there = self.estimator_at(step).residual(self.members(step))
         rest = (there + self.fit.projection.jacobian @ step.x) / self.scale
         pulls = step.x / self.fit.nuisance.sigma
         latent = np.linalg.lstsq(step.mixture.prior, step.values, rcond=None)[0]
@@ -317,20 +318,20 @@ class _Linearised:
             part = step.part(t, self)
             try:
                 if self.objective(part) < before:
-                    kept = self.by_modes if self.is_linear(part) else None
-                    return self.about(self.moved(part), self.members(part), policy, kept)
+                    by_modes = self.by_modes if self.is_linear(part) else None
+                    return self.about(self.estimator_at(part), self.members(part), policy, by_modes)
             except FIT_ERRORS:
                 continue
         return None
 
     def is_linear(self, step: _Step) -> bool:
-        """Return True if the derivatives miss a sigma of a single value, or a small part of what moves."""
-        move = (self.moved(step).residual(self.members(step)) - self.fit.residual) / self.scale
-        missed = move - self.change(step)
+        """Return True if the derivatives miss less than one sigma, or a small part of the change."""
+        move = (self.estimator_at(step).residual(self.members(step)) - self.fit.residual) / self.scale
+        missed = move - self.predicted_change(step)
         return float(missed @ missed) < max(1.0, FIT.move_missed**2 * float(move @ move))
 
-    def change(self, step: _Step) -> Floats:
-        """Return what (1) says that a step changes of the residual, with x eliminated, over the noise."""
+    def predicted_change(self, step: _Step) -> Floats:
+        """Return the change of the residual over the noise that (1) predicts, with x eliminated."""
         by_law = self.jacobian @ (step.values - self.law.values) + self.by_instant @ (
             step.instant - self.instant
         )
@@ -342,7 +343,7 @@ class _Linearised:
         law = members[-1].effect
         assert isinstance(law, TabulatedLaw)
         root, fitted = step.mixture.root, len(self.fit.z) + len(self.x)
-        residual = self.fit.residual + self.change(step) * self.scale
+        residual = self.fit.residual + self.predicted_change(step) * self.scale
         fit = replace(self.fit, members=members, z=step.z, residual=residual)
         sizes = estimates_at(fit, step.mixture.deviation[:fitted])
         spread = np.concatenate([np.linalg.norm(root, axis=1), step.mixture.deviation[fitted:]])

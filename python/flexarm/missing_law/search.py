@@ -11,22 +11,19 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.budget import allows
 from flexarm.comparison.free_vibration import rings_freely
-from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.sensors import without_idle_zeros
-from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.diagnosis.verification import repaired
 from flexarm.effects.tabulated_law import ACTS, TabulatedLaw
 from flexarm.law_curve import LawCurve, LawKind
 from flexarm.missing_law.base import BASE
-from flexarm.missing_law.check import LawCheck
 from flexarm.missing_law.curves import as_torque, curve_in_time, curve_of_fit, curve_of_law, stiffness_of
 from flexarm.missing_law.latent import Latent, latent_motions, noise_scale
 from flexarm.missing_law.law import Law, LawSearch
 from flexarm.missing_law.policy import LawPolicy
-from flexarm.missing_law.prediction import gaps_with_law
+from flexarm.missing_law.prediction import LawCheck, gaps_with_law
 from flexarm.missing_law.refit import FittedLaw, fitted_law
 from flexarm.missing_law.states import joint_states
 from flexarm.missing_law.windup import driven_joints
@@ -46,34 +43,23 @@ STATELESS = ("time", "none")
 
 @dataclass(frozen=True, eq=False)
 class AddedLaw:
-    """A law that the model gains."""
+    """A law that is an effect of the updated model."""
 
     fitted: FittedLaw
     """With all that was fitted along."""
     arm: Arm
     """The nominal model with it."""
 
-    @property
-    def members(self) -> tuple[Candidate, ...]:
-        """Effects of the model, the law last."""
-        return self.fitted.fit.members
-
-    @property
-    def sizes(self) -> Estimates:
-        """What was fitted along."""
-        return self.fitted.sizes
-
 
 @dataclass(frozen=True, eq=False)
 class MissingLaws:
-    """Missing laws."""
+    """Result of the search: laws, the most probable first."""
 
     curves: tuple[LawCurve, ...] = ()
-    """The most probable first."""
     added: AddedLaw | None = None
-    """The first of them that is a table of the model and predicts what was held out."""
+    """The first of them that is an effect and predicts what was held out."""
     why: str = ""
-    """Why there are none; empty if there are some."""
+    """Reason if there are none."""
 
     @property
     def has_state(self) -> bool:
@@ -83,7 +69,7 @@ class MissingLaws:
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """A curve, and the law as a part of the model if it is one."""
+    """A curve, and the law as an effect of the model if it is one."""
 
     curve: LawCurve
     added: AddedLaw | None = None
@@ -102,10 +88,10 @@ def missing_laws(
 ) -> MissingLaws:
     """Return the laws that explain what a fitted model leaves, the most probable first.
 
-    Of `fits`, models that leave a gap, the simplest first, the first to which a law is added is taken, else
-    the most likely one that a function of a state completes, or the last one. Records must be motions along
-    drives or poses; of others nothing is inferred. The result is empty if no latent motion is more likely
-    than none by `policy.evidence`.
+    `fits` are models that leave a gap, the simplest first. The first to which a law is added is taken, else
+    the most likely one with a law that is a function of a state, or the last one. Records must be motions
+    along drives, or poses. The result is empty if no latent motion is more likely than none by
+    `policy.evidence`.
     """
     policy = policy or LawPolicy()
     if why := not_inferred(estimator.problem, fits[0].nuisance.arm):
@@ -126,7 +112,7 @@ def missing_laws(
 
 
 def _unless_worse(told: _Candidate) -> _Candidate:
-    """Return a law as none if the gap that was held out grows with it."""
+    """Return a law, told as none if the held-out gap grows with it."""
     gap = told.curve.held_out
     if gap.before_rms is None or gap.after_rms is None or gap.after_rms <= gap.before_rms:
         return told
@@ -135,7 +121,7 @@ def _unless_worse(told: _Candidate) -> _Candidate:
 
 
 def not_inferred(problem: Problem, arm: Arm) -> str:
-    """Return why nothing is inferred from records; empty if something is."""
+    """Return why no law can be inferred from these records; empty if one can."""
     for name, record in problem.records.items():
         if record.kind == "motion" and rings_freely(record):
             return f"no missing law was sought: {name} is a free vibration, which no motor's angle drives"
@@ -156,7 +142,7 @@ def law_remarks(laws: MissingLaws, best: Fit) -> tuple[str, ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Inference:
-    """Laws about one model."""
+    """Inference of laws given one model."""
 
     estimator: Estimator
     fit: Fit
@@ -169,7 +155,7 @@ class _Inference:
 
     @cached_property
     def latents(self) -> list[Latent]:
-        """Latent motions of all places that the time allows."""
+        """Return the latent motions of all places that the time allows."""
         found = []
         for latent in latent_motions(self.problem, self.fit, self.policy):
             found.append(latent)
@@ -179,19 +165,18 @@ class _Inference:
 
     @property
     def evidence(self) -> float:
-        """Log evidence of the likeliest latent motion; effects' parameters cost as in BIC [Schwarz1978]."""
+        """Return the log evidence of the likeliest latent motion, with parameters as in BIC [Schwarz1978]."""
         scale = float(np.sum(np.log(noise_scale(self.problem, self.fit))))
         cost = 0.5 * len(self.fit.z) * float(np.log(len(self.problem))) + scale
         return max((each.model.log_evidence for each in self.latents), default=-np.inf) - cost
 
     def laws(self) -> list[_Candidate]:
-        """Return the laws of the places that explain alike."""
+        """Return the laws of all indistinguishable places."""
         known = [each for each in self.latents if each.gain > self.policy.evidence]
         if not known:
             return []
         thresholds = self.problem.policy
-        rivals = [each for each in known if each.at != BASE] or known
-        best = max(each.model.log_evidence for each in rivals)
+        best = max(each.model.log_evidence for each in [e for e in known if e.at != BASE] or known)
         near = [each for each in known if each.model.log_evidence > best - thresholds.reach]
         near.sort(key=lambda each: -each.model.log_evidence)
         shares = _shares([each.model.log_evidence for each in near], thresholds.most_certain)
@@ -202,7 +187,7 @@ class _Inference:
         return laws[: self.policy.most_laws]
 
     def _of_place(self, latent: Latent, probability: float) -> list[_Candidate]:
-        """Return the laws of a place: the best state's, and a torque that acts as its windup does."""
+        """Return the laws of a place for its best state, as windup and as an equivalent torque."""
         in_time = curve_in_time(latent, probability)
         slow = latent.length >= max(self.policy.lengths)
         if latent.response is None:
@@ -229,9 +214,7 @@ class _Inference:
         ]
 
     def _as_table(self, latent: Latent, search: LawSearch, best: Law) -> list[_Candidate]:
-        """Return the law of a state, fitted through the simulation; one curve in place of two, if it leaves
-        noise alone.
-        """
+        """Return the law of a state, fitted through the simulation; one curve if that leaves only noise."""
         law = best if best.kind == "law" else search.law(best.of)
         told: list[_Candidate] = []
         if search.share(law) >= self.policy.least_share:
@@ -242,19 +225,19 @@ class _Inference:
         return alone or list(self._fitted(latent, best, self._curves(latent, search, best)))
 
     def _curves(self, latent: Latent, search: LawSearch, law: Law) -> list[LawCurve]:
-        """Return a law as a windup and, of other states than torque, as a torque that is lost."""
+        """Return a law as a windup and, unless a function of torque, as an equivalent torque."""
         curve, stiffness = curve_of_law(latent, search, law, self.policy), stiffness_of(latent)
         return [as_torque(curve, stiffness), curve] if law.of != "torque" and stiffness else [curve]
 
     def _along_states(self, latent: Latent, search: LawSearch, law: Law) -> list[_Candidate]:
-        """Return laws that are no part of a model, with the gap that they leave along their states."""
+        """Return laws that are no effect of a model, with the gap that runs along their windup leave."""
         held_out = self.check.records.held_out
         train, held = gaps_with_law(latent, law, self.problem, held_out, self.check.signal, self.policy)
         curves = self._curves(latent, search, law)
         return [_Candidate(replace(each, train=train, held_out=held)) for each in curves]
 
     def _fitted(self, latent: Latent, law: Law, curves: Sequence[LawCurve]) -> Iterator[_Candidate]:
-        """Yield laws that are tables of a model, fitted through the simulation."""
+        """Yield laws as effects of a model, fitted through the simulation."""
         has_one = self.fit.nuisance.arm.effect(TabulatedLaw.name, latent.at) is not None
         if law.of == "motor_angle" or has_one or law.only >= 0:
             return
@@ -279,7 +262,7 @@ class _Inference:
 
 
 def _table(law: Law, curve: LawCurve, stiffness: float) -> TabulatedLaw:
-    """Return the linear estimate of a law as an effect that acts as the quantity of a curve."""
+    """Return the linear estimate of a law as an effect."""
     per_windup = -stiffness if curve.quantity == "torque" else 1.0
     branches = dict(zip(BRANCHES_OF[law.kind], law.mean.reshape(-1, len(law.knots)), strict=True))
     return TabulatedLaw.model_validate(
@@ -295,6 +278,6 @@ def _table(law: Law, curve: LawCurve, stiffness: float) -> TabulatedLaw:
 
 
 def _shares(evidence: Sequence[float], most: float) -> list[float]:
-    """Return probabilities of equal prior from log evidence, each at most `most`."""
+    """Return probabilities from log evidence and equal priors, each at most `most`."""
     weight = np.exp(np.array(evidence) - max(evidence, default=0.0))
     return [min(float(each), most) for each in weight / weight.sum()]

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexarm.arrays import Floats
+from flexarm.missing_law.policy import LawPolicy
 from flexarm.wording import with_unit
 
 Functions = Callable[[Floats, float], list[Floats]]
@@ -70,13 +71,13 @@ SHAPES = (
 
 
 def closest_shape(
-    x: Floats, value: Floats, covariance: Floats, most_error: float, unit: str, of: str, of_unit: str
+    x: Floats, value: Floats, covariance: Floats, policy: LawPolicy, unit: str, of: str, of_unit: str
 ) -> str:
     """Return words such as "is linear: 2.1e-06 rad per N m", or that no known shape is close."""
     peak = float(np.abs(value - np.median(value)).max())
     if peak == 0:
         return "is zero"
-    scaled = covariance + (0.02 * peak) ** 2 * np.eye(len(x))
+    scaled = covariance + (policy.shape_scatter * peak) ** 2 * np.eye(len(x))
     weight = np.linalg.inv(np.linalg.cholesky(scaled))
     reach = float(np.abs(x).max())
     found = []
@@ -92,7 +93,7 @@ def closest_shape(
             bic = float(np.sum((weight @ rest) ** 2)) + count * np.log(len(x))  # eq. (1)
             found.append((bic, shape, size, a, float(np.sqrt(np.mean(rest**2))) / peak))
     _, shape, size, a, error = min(found, key=lambda each: each[0])
-    if error > most_error:
+    if error > policy.shape_error:
         at = float(x[int(np.argmax(np.abs(value - np.median(value))))])
         return f"has none of the known shapes, and its peak at {with_unit(at, of_unit, 3)}"
     if shape.name == "linear":

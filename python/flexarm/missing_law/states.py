@@ -1,4 +1,4 @@
-"""States of a joint along a run: what a latent motion may be a function of."""
+"""States of a joint along a run, of which a latent motion may be a function."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class States:
 
 
 def states_of(
-    run: Simulation | PoseSequence, joint: str, time: Floats, gear_ratio: float | None
+    run: Simulation | PoseSequence, joint: str, time: Floats, gear_ratio: float | None, policy: LawPolicy
 ) -> dict[str, Floats]:
     """Return the states of a joint at instants."""
     k = [each.name for each in run.arm.moving_joints].index(joint)
@@ -48,8 +48,8 @@ def states_of(
     found = {state: at(getattr(run, array)) for state, array in ARRAYS.items()}
     if gear_ratio is not None:
         turn = at(run.drive_angle) * gear_ratio
-        step = np.abs(np.diff(turn))
-        if np.ptp(turn) > 4 * np.pi and float(np.quantile(step, 0.9)) < np.pi / 4:
+        step = float(np.quantile(np.abs(np.diff(turn)), 0.9))
+        if np.ptp(turn) > 2 * np.pi * policy.least_turns and step < 2 * np.pi * policy.turn_step:
             found["motor_angle"] = np.mod(turn, 2 * np.pi)
     return found
 
@@ -67,12 +67,12 @@ def joint_states(latent: Latent, policy: LawPolicy) -> States:
     times = [basis.fine(policy) for basis in response.bases.values()]
     for (name, basis), time in zip(response.bases.items(), times, strict=True):
         run = response.run(name, parts[name]).simulation
-        followed = states_of(run, latent.at, basis.places, joint.gear_ratio)
+        at_places = states_of(run, latent.at, basis.places, joint.gear_ratio, policy)
         drive.append(response.problem.simulations.run(name, response.arm).simulation.drive_angle[:, k])
         for key, array in ARRAYS.items():
             greatest[key] = max(greatest[key], float(np.abs(getattr(run, array)).max()))
-        for key, values in states_of(run, latent.at, time, joint.gear_ratio).items():
-            if key in followed:
+        for key, values in states_of(run, latent.at, time, joint.gear_ratio, policy).items():
+            if key in at_places:
                 found.setdefault(key, []).append(values)
     count = len(response.bases)
     joined = {key: np.concatenate(each) for key, each in found.items() if len(each) == count}

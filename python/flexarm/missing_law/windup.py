@@ -84,9 +84,11 @@ class WindupResponse:
     def of(cls, problem: Problem, arm: Arm, joint: str, policy: LawPolicy) -> WindupResponse | None:
         """Simulate (2), `jobs` runs at once; None if the time for it ends."""
         coarse = problem.with_step(policy.response_step)
-        bases = {
-            name: basis_of(problem, name, policy, start_of(problem, arm, name)) for name in problem.records
-        }
+        bases: dict[str, Basis] = {}
+        for name, record in problem.records.items():
+            poses = record.kind == "static"
+            drive = None if poses else problem.simulations.drive(name, record.applied_to(arm))
+            bases[name] = basis_of(problem, name, policy, np.inf if drive is None else drive.start)
         first = dict(zip(bases, np.cumsum([0, *map(len, bases.values())]), strict=False))
         found = np.zeros((len(problem), sum(map(len, bases.values()))))
 
@@ -167,14 +169,6 @@ def driven_joints(problem: Problem, arm: Arm, name: str) -> set[str]:
         return {each.name for each in arm.moving_joints} - known
     joints = problem.simulations.drive(name, arm).joints
     return {joint for joint, drive in joints.items() if drive.side == "motor"}
-
-
-def start_of(problem: Problem, arm: Arm, name: str) -> float:
-    """Return when the drive of a motion starts [s]; of poses infinity."""
-    record = problem.records[name]
-    if record.kind == "static":
-        return np.inf
-    return problem.simulations.drive(name, record.applied_to(arm)).start
 
 
 def run_with_windup(

@@ -14,7 +14,7 @@ import flexarm
 from flexarm.missing_law.basis import TimeBasis
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.search import MissingLaws
-from flexarm.missing_law.windup import WindupResponse, added
+from flexarm.missing_law.windup import WindupResponse, drive_plus
 
 INSTANT = 9.0
 RNG = np.random.default_rng(11)
@@ -77,10 +77,11 @@ def test_clock_and_load_are_found_with_the_law():
     """They are off by what is stated, and the linear estimate without them would bend the curve."""
     laws, about = found("rubbing"), study("rubbing")
     assert laws.added is not None
-    (load,) = laws.added.sizes.refined
+    (load,) = laws.added.fitted.sizes.refined
     assert load.parameter == "payloads.load.mass"
     assert abs(load.value - about.load) < 3 * load.std < 0.1
-    clock = next(each for each in laws.added.sizes.nuisances if each.name == "time_delay").parameters[0]
+    nuisances = laws.added.fitted.sizes.nuisances
+    clock = next(each for each in nuisances if each.name == "time_delay").parameters[0]
     assert abs(clock.value - about.delay) < 3 * clock.std < 1e-4
 
 
@@ -167,7 +168,7 @@ def test_a_drive_and_a_spline_add_up():
     drive = flexarm.Drive.from_samples(t, {"hinge": np.sin(t)}).joints["hinge"]
     basis = TimeBasis.over(1.0, 2.0, LawPolicy())
     coefficients = np.cos(np.arange(len(basis)))
-    both = added(drive, basis.polynomial(coefficients))
+    both = drive_plus(drive, basis.polynomial(coefficients))
     at = np.linspace(0.0, 3.0, 301)
     assert both(at) == pytest.approx(drive(at) + basis.at(at) @ coefficients, abs=1e-12)
 
