@@ -17,7 +17,7 @@ class LawGap:
     noise_rms: float | None = None
     before_max: float | None = None
     after_max: float | None = None
-    """None where the law foretells nothing."""
+    """None where the law predicts nothing."""
 
 
 @dataclass(frozen=True)

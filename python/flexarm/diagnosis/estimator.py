@@ -51,7 +51,7 @@ class Estimator:
     def __post_init__(self) -> None:
         self._projections: dict[frozenset[str], tuple[NuisanceModel, Projection]] = {}
         centres = np.array([u.centre for u in self.nuisance.parameters])
-        self.arm = self.nuisance.put(self.nuisance.arm, centres + self.at)
+        self.arm = self.nuisance.model(self.nuisance.arm, centres + self.at)
 
     @classmethod
     def nominal(cls, problem: Problem, nuisance: NuisanceModel) -> Estimator:
@@ -85,7 +85,9 @@ class Estimator:
     def _found_at(self, fit: Fit, part: float = 1.0) -> Floats:
         """Return the nuisance parameters of a fit, or `part` of the way to them."""
         best = dict(zip(fit.nuisance.keys, gls_nuisance(fit), strict=True))
-        found = np.array([unknown.kept(best.get(unknown.key, 0.0)) for unknown in self.nuisance.parameters])
+        found = np.array(
+            [unknown.limited(best.get(unknown.key, 0.0)) for unknown in self.nuisance.parameters]
+        )
         return np.asarray(self.at + part * (found - self.at))
 
     def moved_to(self, values: Mapping[str, float]) -> Estimator:
@@ -142,7 +144,7 @@ class Estimator:
         reach = np.where(nominal, FIT.centred_within * self.nuisance.sigma, np.inf)
         for _ in range(FIT.centring_rounds):
             best = fit.projection.solve_within(fit.residual, reach)
-            kept = [u.kept(float(x)) for u, x in zip(self.nuisance.parameters, best, strict=True)]
+            kept = [u.limited(float(x)) for u, x in zip(self.nuisance.parameters, best, strict=True)]
             try:
                 about = there._moved(np.where(nominal, kept, 0.0), fit.members)
                 better = about.fit(())

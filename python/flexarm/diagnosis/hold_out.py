@@ -364,7 +364,7 @@ def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], problem: Pro
     for each, where in problem.channels():
         record = found[each.record]
         values = record.signals[each.signal].values.copy()
-        values[np.flatnonzero(each.kept)[out[where]]] = np.nan
+        values[np.flatnonzero(each.mask)[out[where]]] = np.nan
         signal = replace(record.signals[each.signal], values=values)
         found[each.record] = replace(record, signals={**record.signals, each.signal: signal})
     return found

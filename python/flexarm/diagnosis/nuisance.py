@@ -78,7 +78,7 @@ class NuisanceParameter:
         _, _, at, *rest = self.key.split(".")
         return f"{'.'.join(rest)} of {self.kind} {at}"
 
-    def kept(self, step: float) -> float:
+    def limited(self, step: float) -> float:
         """Return a step from the centre, shortened where a nominal value would nearly lose its sign.
 
         Linear steps far from the optimum can be too long: values of one sign, and values known to better than
@@ -114,7 +114,7 @@ class NuisanceModel:
         """Return 1 sigma of each."""
         return np.array([unknown.sigma for unknown in self.parameters])
 
-    def put(self, arm: Arm, values: np.ndarray) -> Arm:
+    def model(self, arm: Arm, values: np.ndarray) -> Arm:
         """Return a model with values of these; those of records are no part of it."""
         for unknown, value in zip(self.parameters, values, strict=True):
             if not unknown.of_record:

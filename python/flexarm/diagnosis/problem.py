@@ -137,10 +137,10 @@ class Problem:
 
     def pose_kernels(self, rows: Rows) -> list[tuple[Floats, Floats]]:
         """Return eigenvalues and eigenvectors of the correlation of poses, by correlation length."""
-        key = (rows.record, rows.signal, rows.kept.tobytes())
+        key = (rows.record, rows.signal, rows.mask.tobytes())
         if key not in self._kernels:
             record = self.records[rows.record]
-            pose = np.asarray(record.signals[rows.signal].pose)[rows.kept]
+            pose = np.asarray(record.signals[rows.signal].pose)[rows.mask]
             self._kernels[key] = pose_kernels(angles_of_poses(record, pose))
         return self._kernels[key]
 

@@ -61,12 +61,12 @@ class Rows:
     """Of the signal."""
     where: slice
     """In the vector."""
-    kept: NDArray[np.bool_]
+    mask: NDArray[np.bool_]
     """Rows of the signal that are in it. Shape (n,)."""
     sigma: float
     """1 sigma of the noise [SI]."""
     time: Floats
-    """Instants of the kept rows by the drive's clock [s], or numbers of poses."""
+    """Instants of the rows by the drive's clock [s], or numbers of poses."""
     input_noise: float = 0.0
     """Mean square, over sigma^2, of input noise (`noise_model`)."""
     discretisation_error: float = 0.0
@@ -115,11 +115,11 @@ def rows_left(rows: Iterable[Rows], out: NDArray[np.bool_]) -> Iterator[Rows]:
     start = 0
     for each in rows:
         left = ~out[each.where]
-        kept = each.kept.copy()
+        kept = each.mask.copy()
         kept[np.flatnonzero(kept)] = left
         stop = start + int(left.sum())
         if stop > start:
-            yield replace(each, where=slice(start, stop), kept=kept, time=each.time[left])
+            yield replace(each, where=slice(start, stop), mask=kept, time=each.time[left])
         start = stop
 
 
@@ -161,7 +161,7 @@ def write_over_noise(found: Floats, rows: Iterable[Rows], values: Callable[[str]
     for each in rows:
         if each.signal not in by_signal:
             by_signal[each.signal] = values(each.signal)
-        found[each.where] = by_signal[each.signal][each.kept, each.channel] / each.sigma  # eq. (1)
+        found[each.where] = by_signal[each.signal][each.mask, each.channel] / each.sigma  # eq. (1)
 
 
 def differences(

@@ -165,7 +165,7 @@ def _of_unknowns(fit: Fit, sigma: Floats) -> tuple[tuple[Nuisance, ...], tuple[R
     for unknown, x, std in zip(fit.nuisance.parameters, best.tolist(), sigma.tolist(), strict=True):
         if unknown.kind == "start":
             continue
-        value = unknown.centre + (x if unknown.kind == "base" else unknown.kept(x))
+        value = unknown.centre + (x if unknown.kind == "base" else unknown.limited(x))
         if unknown.kind == "nominal":
             refined.append(Refined(unknown.key, value, std, unknown.centre, unknown.unit))
             continue

@@ -62,6 +62,6 @@ def _turned(problem: Problem, arm: Arm, axis: Floats, turn: float) -> Floats:
         for sign in (1, -1):
             moved = replace(frame, rotation=np.asarray(frame.rotation) + sign * turn * axis)
             moved_placement = replace(placement, frames={**placement.frames, signal.frame: moved})
-            ends.append(pair.residual(signal, moved_placement, hold=True)[rows.kept, rows.channel])
+            ends.append(pair.residual(signal, moved_placement, hold=True)[rows.mask, rows.channel])
         found[rows.where] = (ends[0] - ends[1]) / (2 * turn * rows.sigma)
     return found

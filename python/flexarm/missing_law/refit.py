@@ -298,7 +298,7 @@ class _Linearised:
     def estimator_at(self, step: _Step) -> Estimator:
         """Return the estimator about the nuisance parameters of a step."""
         known: Mapping[str, float] = {
-            unknown.key: unknown.kept(float(x))
+            unknown.key: unknown.limited(float(x))
             for unknown, x in zip(self.fit.nuisance.parameters, step.x, strict=True)
         }
         return self.estimator.moved_to(known)

@@ -229,7 +229,7 @@ def unpredicted_sentence(diagnosis: Diagnosis) -> str:
     what = f"{worst.record!r}" if d.hold_out_kind == "blocks" else f"the held-out record {worst.record!r}"
     size = f"{with_unit(worst.held_out, worst.unit)} rms are left of {worst.signal!r}{_times_noise(worst)}"
     rest = f"; the training is left with {with_unit(worst.training, worst.unit)}"
-    return f"{who} does not foretell {what}: {size}{'' if worst.training is None else rest}. {_why(d)}"
+    return f"{who} does not predict {what}: {size}{'' if worst.training is None else rest}. {_why(d)}"
 
 
 def contradicted_sentence(worst: HeldOutGap) -> str:

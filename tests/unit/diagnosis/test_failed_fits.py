@@ -16,7 +16,7 @@ from flexarm.diagnosis import selection as choose
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.moves import confounding as takeover
+from flexarm.diagnosis.moves import confounding
 from flexarm.diagnosis.moves import proposals as promising
 from flexarm.diagnosis.nuisance import NuisanceModel, NuisanceParameter
 from flexarm.diagnosis.policy import SelectionPolicy
@@ -139,9 +139,9 @@ def test_a_needless_effect_is_dropped_though_no_derivatives_can_be_taken_without
 def test_where_no_small_steps_can_be_taken_clocks_and_frames_take_over_all_the_same(monkeypatch):
     """They need no simulation; what else could take over is asked of the fit in longer steps."""
     monkeypatch.setattr(
-        takeover, "linear_response", lambda candidate, *_: None if candidate.at == "rod" else 1
+        confounding, "linear_response", lambda candidate, *_: None if candidate.at == "rod" else 1
     )
-    monkeypatch.setattr(takeover, "_unlike", lambda *_: False)
+    monkeypatch.setattr(confounding, "_never_confounded", lambda *_: False)
     probed = [
         SimpleNamespace(candidate=SimpleNamespace(place=at, at=at, spots={at})) for at in ("rod", "tracker")
     ]
@@ -151,7 +151,7 @@ def test_where_no_small_steps_can_be_taken_clocks_and_frames_take_over_all_the_s
     problem = SimpleNamespace(step=1e-3, with_step=lambda step: SimpleNamespace(jacobian=raises))
     steps = SimpleNamespace(steps=lambda arm: {})
     estimator = SimpleNamespace(problem=problem, nuisance=steps, with_effects=lambda members: None)
-    found = takeover._moves(estimator, probed, best, {"modulus": (np.ones(3), 1.0)})
+    found = confounding._moves(estimator, probed, best, {"modulus": (np.ones(3), 1.0)})
     assert [candidate.at for candidate, *_ in found] == ["tracker"]
 
 

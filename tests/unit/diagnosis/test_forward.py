@@ -402,7 +402,7 @@ def test_sizes_of_what_takes_over_unknowns_count_from_stated_values(search, monk
     found.probed = ["stated"]
     monkeypatch.setattr(SearchState, "candidates", lambda *_: ["fitted"])
     monkeypatch.setattr(
-        confounding, "taken_over", lambda about, probed, fit, near: asked.append(probed) or []
+        confounding, "confounded_fits", lambda about, probed, fit, near: asked.append(probed) or []
     )
     monkeypatch.setattr(promising, "fit_singles", lambda about, probed, *_: asked.append(probed) or [])
     for move in (confounding.confounding, promising.singles):

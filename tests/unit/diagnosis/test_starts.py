@@ -23,13 +23,13 @@ from flexarm.diagnosis.problem import Problem
 )
 def test_a_value_known_to_less_than_itself_keeps_its_sign(centre, sigma, step, kept):
     """Down to a fifth of it; a place that may lie on either side of zero goes where it wants."""
-    assert NuisanceParameter("links.rod.density", centre, sigma, "kg/m3", "nominal").kept(
+    assert NuisanceParameter("links.rod.density", centre, sigma, "kg/m3", "nominal").limited(
         step
     ) == pytest.approx(kept)
 
 
 def test_a_clock_goes_where_it_wants():
-    assert NuisanceParameter("effects.time_delay.clock.delay", 1e-3, 1e-4, "s", "clock").kept(-1.0) == -1.0
+    assert NuisanceParameter("effects.time_delay.clock.delay", 1e-3, 1e-4, "s", "clock").limited(-1.0) == -1.0
 
 
 def test_a_spring_that_the_model_lacks_starts_at_several_stiffnesses():

@@ -116,9 +116,9 @@ def test_rows_that_are_left_keep_their_values_and_instants():
     out = np.array([False, True, False, False, False, False])
     one, other = rows_left(rows, out)
     assert (one.where, other.where) == (slice(0, 2), slice(2, 5))
-    assert one.kept.tolist() == [True, False, False, True]
+    assert one.mask.tolist() == [True, False, False, True]
     assert one.time.tolist() == [0.0, 3.0]
-    assert other.kept.tolist() == kept.tolist()
+    assert other.mask.tolist() == kept.tolist()
     assert kept.tolist() == [True, False, True, True]
     assert [each.channel for each in rows_left(rows, np.array([True, True, True, False, False, False]))] == [
         1

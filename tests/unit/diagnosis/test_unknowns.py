@@ -89,4 +89,4 @@ def test_a_clock_and_a_frame_are_known_as_well_as_one_record_knows_them(
 def test_what_is_hardly_known_stays_where_the_model_allows_it(key, sigma, step, kept):
     """A modulus to 100 %, as one that nobody knows, is never negative; a place may be on either side."""
     *_, last = nominal(crane(uncertainty={key: sigma}), {})
-    assert last.kept(step) == pytest.approx(kept)
+    assert last.limited(step) == pytest.approx(kept)
