@@ -160,7 +160,8 @@ def alternatives_of(
         before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
         wanted += _soft_elsewhere(known, wanted, best, before, probed, policy.halfway)
     limit = criteria.early_stop([best], fewer, policy.faint)
-    peer = _peer(best, tried)
+    # the chosen model as it was tried along with its alternatives, before its refinement
+    peer = next((f for f in reversed(tried) if set(f.places) == set(best.places)), best)
     found = []
     for candidate in wanted:
         if not allows("all alternatives were fitted"):
@@ -220,11 +221,6 @@ def _known(best: Fit, others: set[tuple[str, Place]], tried: Sequence[Fit]) -> d
         for f in tried
         if others < set(f.places) and len(f.members) == len(best.members)
     }
-
-
-def _peer(best: Fit, tried: Sequence[Fit]) -> Fit:
-    """Return the chosen model as it was tried along with its alternatives, before its refinement."""
-    return next((f for f in reversed(tried) if set(f.places) == set(best.places)), best)
 
 
 def _near(

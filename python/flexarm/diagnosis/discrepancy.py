@@ -148,15 +148,12 @@ class TimeDiscrepancy:
         """Return C times values of shape (n, ...)."""
         found: Floats = self.noise * values
         if self.size > 0:
-            for rows in self.stretches:
-                found[rows] += self.size * self._correlated(values[rows])
+            poles = np.array([1.0, -self._phi])
+            for rows in self.stretches:  # K decays after each sample, and before it
+                after = recursive_filter(values[rows], poles)
+                before = recursive_filter(values[rows][::-1], poles)[::-1]
+                found[rows] += self.size * (after + before - values[rows])
         return found
-
-    def _correlated(self, values: Floats) -> Floats:
-        """Return K times values: what decays after each sample, and before it."""
-        poles = np.array([1.0, -self._phi])
-        after, before = recursive_filter(values, poles), recursive_filter(values[::-1], poles)[::-1]
-        return np.asarray(after + before - values)
 
     @property
     def log_prior(self) -> float:

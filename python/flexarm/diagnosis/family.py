@@ -311,7 +311,7 @@ def clear_places(fit: Fit, family: EffectFamily, strong: float) -> list[str]:
 
 def with_spreads(fit: Fit) -> Fit:
     """Return a fit with the means and spreads of its families' sizes, of which the posterior is greatest."""
-    if not any(_opened(member) for member in fit.members):
+    if not any(isinstance(member, EffectFamily) and not member.shared for member in fit.members):
         return fit
     for _ in range(FIT.spread_rounds):
         variance = np.diag(covariance(fit))
@@ -324,10 +324,6 @@ def covariance(fit: Fit) -> Floats:
     jacobian, _, prior = joint_jacobian(fit)
     weight = np.full(len(jacobian), min(1.0, len(fit.residual) / max(fit.cost, 1e-300)))
     return NormalEquations.of(jacobian, prior, weight).inverse()
-
-
-def _opened(member: Candidate) -> bool:
-    return isinstance(member, EffectFamily) and not member.shared
 
 
 def _updated(fit: Fit, k: int, variance: Floats) -> Candidate:
@@ -347,9 +343,11 @@ def _updated(fit: Fit, k: int, variance: Floats) -> Candidate:
 
 def _on_scales_of(fit: Fit, members: Sequence[Candidate]) -> Fit:
     """Return the same fit with its parameters on the scales of other priors."""
-    parameters = tuple(
-        replace(c, prior=prior) for c, prior in zip(fit.parameters, _priors(members, fit), strict=True)
-    )
+    parameters = []
+    for c in fit.parameters:
+        member = members[c.candidate]
+        prior = member.prior_of(c.name) if isinstance(member, EffectFamily) else None
+        parameters.append(replace(c, prior=prior or c.prior))
     values = [c.value(float(x)) for c, x in zip(fit.parameters, fit.z, strict=True)]
     z = np.array([c.z(value) for c, value in zip(parameters, values, strict=True)])
     times = [
@@ -357,13 +355,9 @@ def _on_scales_of(fit: Fit, members: Sequence[Candidate]) -> Fit:
         for new, old, x, y in zip(parameters, fit.parameters, z, fit.z, strict=True)
     ]
     return replace(
-        fit, members=tuple(members), parameters=parameters, z=z, jacobian=fit.jacobian * np.array(times)
+        fit,
+        members=tuple(members),
+        parameters=tuple(parameters),
+        z=z,
+        jacobian=fit.jacobian * np.array(times),
     )
-
-
-def _priors(members: Sequence[Candidate], fit: Fit) -> Iterator[Prior]:
-    """Yield the priors of the parameters of a fit, of families those of other members."""
-    for c in fit.parameters:
-        member = members[c.candidate]
-        alike = isinstance(member, EffectFamily) and member.prior_of(c.name)
-        yield alike or c.prior

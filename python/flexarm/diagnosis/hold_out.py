@@ -213,19 +213,15 @@ def _evidence(record: Record) -> list[Signal]:
 def _held(record: Record, signal: Signal) -> NDArray[np.bool_]:
     """Return True at held-out rows."""
     if signal.pose is not None:
-        number = _numbers(record)
+        # poses in the order in which they were measured, the same for all signals
+        poses = (each.pose.tolist() for each in _evidence(record) if each.pose is not None)
+        number = {pose: k for k, pose in enumerate(dict.fromkeys(chain.from_iterable(poses)))}
         return np.array([number[pose] % EVERY == EVERY - 1 for pose in signal.pose.tolist()], dtype=bool)
     first, last = _span(record, signal)
     share = (record.instants(signal) - first) / max(last - first, 1e-12)  # eq. (1)
     block = np.minimum((BLOCKS * share).astype(int), BLOCKS - 1)
     found: NDArray[np.bool_] = block % EVERY == EVERY - 1
     return found
-
-
-def _numbers(record: Record) -> dict[str, int]:
-    """Return numbers of poses in the order in which they were measured, the same for all signals."""
-    seen = (signal.pose.tolist() for signal in _evidence(record) if signal.pose is not None)
-    return {pose: k for k, pose in enumerate(dict.fromkeys(chain.from_iterable(seen)))}
 
 
 def _span(record: Record, signal: Signal) -> tuple[float, float]:

@@ -55,19 +55,15 @@ def evidence_sentence(
     if Criteria(problem, choice.null).in_conflict(best):
         worst = "".join(_conflict_clause(best, problem.policy.pull))
         text += f"; even with it {worst}, so that something else may be missing"
-    text += "".join(f"; {said}" for said in _doubts(best, k, problem.policy.strong_evidence))
+    for name, value, unit in best.members[k].held():
+        text += f"; its {name} is {number(value)}{'' if unit == '-' else f' {unit}'}"
+    known = _known_places(best, best.members[k], problem.policy.strong_evidence)
+    text += "".join(f"; {said}" for said in (*known, *_unusual(best, k)))
     for each in moving:
         text += (
             f"; its {each['parameter']} moves with the {each['moves_with']}, which a right name's does not"
         )
     return text + "."
-
-
-def _doubts(best: Fit, k: int, strong: float) -> Iterator[str]:
-    """Yield clauses on chosen, shared or unusual parameters of an effect."""
-    yield from _chosen_parameters(best.members[k])
-    yield from _known_places(best, best.members[k], strong)
-    yield from _unusual(best, k)
 
 
 def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
@@ -124,12 +120,6 @@ def _conflict_clause(fit: Fit, beyond: float) -> Iterator[str]:
         yield f"the {unknown.words} would be off by {number(pulls[worst], 2)} times its stated sigma"
 
 
-def _chosen_parameters(member: Candidate) -> Iterator[str]:
-    """Yield parameters of an effect that were chosen, not fitted."""
-    for name, value, unit in member.held():
-        yield f"its {name} is {number(value)}{'' if unit == '-' else f' {unit}'}"
-
-
 def _known_places(fit: Fit, member: Candidate, strong: float) -> Iterator[str]:
     """Yield the places of a family where the data determine its size."""
     if isinstance(member, EffectFamily):
@@ -181,7 +171,12 @@ def named_effects(
     for k, (member, models) in enumerate(zip(choice.best.members, choice.alternatives, strict=True)):
         near = [model for model in models if model.within_reach]
         odds = [min(p, policy.most_certain) for p in probabilities(near, choice.needed[k])]
-        moving = [drift for drift in drifts if _moves(drift, member)]
+        first_parameter = (*member.place, member.free[0])
+        moving = [
+            drift
+            for drift in drifts
+            if (drift["effect"], drift["at"], drift["parameter"]) == first_parameter and not drift["constant"]
+        ]
         first = min(odds[0], 0.5) if moving or coarse else odds[0]
         if open_gap:
             first = min(first, choice.shares[k])
@@ -194,12 +189,6 @@ def named_effects(
             evidence = f"{evidence.removesuffix('.')}; {QUANTISED}."
         found.append(NamedEffect(member.name, member.at, first, sizes.effects[k], alternatives, evidence))
     return tuple(sorted(found, key=lambda effect: -effect.probability))
-
-
-def _moves(drift: Drift, member: Candidate) -> bool:
-    """Return True if it is an effect's first parameter that is not constant."""
-    first = (*member.place, member.free[0])
-    return (drift["effect"], drift["at"], drift["parameter"]) == first and not drift["constant"]
 
 
 def rejected(choice: Choice, problem: Problem) -> tuple[Rejected, ...]:

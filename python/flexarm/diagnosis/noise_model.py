@@ -73,18 +73,15 @@ def impute_noise(
         signals = dict(record.signals)
         for signal in record.signals.values():
             if signal.noise_std is None:
-                same = _same(training, signal)
+                named = (
+                    each.signals[signal.name] for each in training.values() if signal.name in each.signals
+                )
+                same = [each for each in named if each.quantity == signal.quantity]
                 noise = max((each.noise_std for each in same if each.noise_std is not None), default=None)
                 signals[signal.name] = signal.replace(noise_std=noise)
                 said += _sentences(name, record, signal, noise) if noise is not None or not same else []
         found[name] = record.replace(signals=signals)
     return found, said
-
-
-def _same(training: Mapping[str, Record], signal: Signal) -> list[Signal]:
-    """Return the signals of that name and quantity."""
-    named = [record.signals[signal.name] for record in training.values() if signal.name in record.signals]
-    return [each for each in named if each.quantity == signal.quantity]
 
 
 def _sentences(name: str, record: Record, signal: Signal, noise: float | None) -> list[str]:

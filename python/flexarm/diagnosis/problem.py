@@ -265,17 +265,15 @@ class Problem:
         initial_conditions = [start for start in self.initial_conditions if start.key in keys]
         found = np.zeros((len(self), len(keys)))
         of_model = [k for k, key in enumerate(keys) if not key.startswith("records.")]
-        found[:, of_model] = self._model_jacobian(arm, [keys[k] for k in of_model], steps)
+        own = [keys[k] for k in of_model]
+        exact = self.static_jacobian(arm, own)
+        found[:, of_model] = differences(self, arm, own, steps) if exact is None else exact
         found[:, [keys.index(start.key) for start in initial_conditions]] = initial_condition_jacobian(
             self, arm, initial_conditions
         )
         tilts = [tilt for tilt in self.tilts if tilt.key in keys]
         found[:, [keys.index(tilt.key) for tilt in tilts]] = tilt_jacobian(self, arm, tilts)
         return found
-
-    def _model_jacobian(self, arm: Arm, keys: list[str], steps: Mapping[str, float]) -> Floats:
-        exact = self.static_jacobian(arm, keys)
-        return differences(self, arm, keys, steps) if exact is None else exact
 
     def static_jacobian(self, arm: Arm, keys: list[str]) -> Floats | None:
         """Return the same from the derivatives of equilibria; None where they have none."""

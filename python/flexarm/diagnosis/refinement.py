@@ -138,16 +138,13 @@ def multi_start(fit: Fit, estimator: Estimator) -> Fit | None:
         return None
     key = str(fit.members[k].effect.multistart)
     value = fit.members[k].value_of(key)
-    tried = [_with_value(fit.members, k, key, times * value) for times in TIMES]
+    before, member, after = fit.members[:k], fit.members[k], fit.members[k + 1 :]
+    tried = [(*before, member.with_parameters({key: times * value}), *after) for times in TIMES]
     estimator.problem.prepare(estimator.with_effects(members) for members in tried)
     best = min(tried, key=lambda members: _left(members, estimator))
     if _left(best, estimator) >= fit.cost:
         return None
     return estimator.fit(best)
-
-
-def _with_value(members: Sequence[Candidate], k: int, key: str, value: float) -> tuple[Candidate, ...]:
-    return (*members[:k], members[k].with_parameters({key: value}), *members[k + 1 :])
 
 
 def _left(members: Sequence[Candidate], estimator: Estimator) -> float:

@@ -38,7 +38,7 @@ from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.diagnosis.settings import FIT, NOISE_MODEL
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.slopes import predict_slopes
-from flexarm.record import Record, Signal
+from flexarm.record import Signal
 from flexarm.residual_analysis.noise_floor import repeated_noise
 
 if TYPE_CHECKING:
@@ -98,7 +98,9 @@ def _channels(
     if pair.record.kind == "static" and not noise.all():
         noise = np.where(noise > 0, noise, noise_of_poses(name, signal, residual))
     instants = pair.instants(signal, placement)
-    driven = instants <= _last_drive(pair.record) + 1e-9
+    known = pair.record.drive if pair.record.kind != "static" else ()
+    last = min((float(pair.record.signals[drive].time[-1]) for drive in known), default=np.inf)
+    driven = instants <= last + 1e-9
     for channel in range(residual.shape[1]):
         kept = np.isfinite(residual[:, channel]) & driven
         count = int(kept.sum())
@@ -121,13 +123,6 @@ def rows_left(rows: Iterable[Rows], out: NDArray[np.bool_]) -> Iterator[Rows]:
         if stop > start:
             yield replace(each, where=slice(start, stop), mask=kept, time=each.time[left])
         start = stop
-
-
-def _last_drive(record: Record) -> float:
-    """Last instant at which all drives are known."""
-    if record.kind == "static" or not record.drive:
-        return float(np.inf)
-    return min(float(record.signals[drive].time[-1]) for drive in record.drive)
 
 
 def noise_of_poses(name: str, signal: Signal, residual: Floats) -> float:

@@ -84,19 +84,12 @@ def worth_keeping(choice: Choice, problem: Problem) -> bool:
     if not choice.best.members:
         return False
     best, null = choice.best, choice.null
-    if _closes(best, null, problem):
+    if press_rms(best, problem) < (1 - problem.policy.halfway) * press_rms(null, problem):
         return True
     return (
         cross_validated_skill(best, null, choice.estimator.nominal_residual(), problem)
         > problem.policy.predictive_share
     )
-
-
-def _closes(best: Fit, null: Fit, problem: Problem) -> bool:
-    """Return True if a fit closes enough of the gap, also where it was not fitted, to be kept with one
-    left.
-    """
-    return press_rms(best, problem) < (1 - problem.policy.halfway) * press_rms(null, problem)
 
 
 Gaps = Mapping[str, Comparison]

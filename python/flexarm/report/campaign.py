@@ -175,17 +175,13 @@ def _histograms(targets: Sequence[Target]) -> Figure:
         if each.nominal is not None:
             ax.axvline(factor * each.nominal, color="black", lw=0.8, ls="--")
         ax.set_title(each.name)
-        ax.set_xlabel(f"{_quantity(each.name)} [{unit or '-'}]")
+        short = each.name.split("_")[-1] if len(each.name) > 18 else each.name  # a narrow axis holds a word
+        ax.set_xlabel(f"{short} [{unit or '-'}]")
     for ax in axes[:, 0]:
         ax.set_ylabel("runs")
     for ax in list(axes.flat)[len(targets) :]:
         ax.set_visible(False)
     return figure
-
-
-def _quantity(name: str) -> str:
-    """Return the last word of a name, which a narrow axis can hold."""
-    return name.split("_")[-1] if len(name) > 18 else name
 
 
 def _has_total(targets: Sequence[Target]) -> bool:

@@ -185,7 +185,7 @@ def summary(diagnosis: Diagnosis) -> str:
             *wrapped(unpredicted_sentence(diagnosis)),
         ],
         _laws(diagnosis),
-        _effects(diagnosis),
+        [line for effect in diagnosis.effects for line in _effect(diagnosis, effect)],
         _refined(diagnosis),
         _nuisances(diagnosis),
         _gaps(diagnosis),
@@ -214,10 +214,6 @@ def _laws(diagnosis: Diagnosis) -> list[str]:
         shrinks = "" if row["held_out"] == "–" else f" Held out: {row['held_out']}."
         lines += wrapped(text + shrinks, then="  ")
     return lines
-
-
-def _effects(diagnosis: Diagnosis) -> list[str]:
-    return [line for effect in diagnosis.effects for line in _effect(diagnosis, effect)]
 
 
 def _effect(diagnosis: Diagnosis, effect: NamedEffect) -> list[str]:

@@ -8,7 +8,6 @@ that of a torque by friction: in the training or in held-out data, by more than 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -66,13 +65,11 @@ def _table(d: BeforeAfter, signal: str) -> GapTable:
         if (gap := d.gap([name], signal)).before_rms is not None
     }
     factor, unit = scale([gap.before_rms for gap in found.values()], d.unit_of(signal))
-    rows = tuple((name, tuple(_cells(gap, factor))) for name, gap in found.items())
-    return GapTable(signal, unit, rows)
-
-
-def _cells(gap: PooledGap, factor: float) -> Iterator[str]:
-    for value in (gap.before_rms, gap.after_rms, gap.noise_rms, gap.before_max, gap.after_max):
-        yield number(None if value is None else factor * value)
+    rows = []
+    for name, gap in found.items():
+        sizes = (gap.before_rms, gap.after_rms, gap.noise_rms, gap.before_max, gap.after_max)
+        rows.append((name, tuple(number(None if size is None else factor * size) for size in sizes)))
+    return GapTable(signal, unit, tuple(rows))
 
 
 HEADLINES = {
@@ -188,17 +185,13 @@ def gap_sentence(diagnosis: Diagnosis) -> str:
     return " ".join(told)
 
 
-def _stays(gap: PooledGap) -> bool:
-    """Return True if a gap changes by less than a per cent, which is no change."""
-    before, after = gap.before_rms or 0.0, gap.after_rms or 0.0
-    return abs(after - before) <= 0.01 * before
-
-
 def _change(gap: PooledGap, unit: str) -> str:
     """Return what happens to a gap, and the noise."""
     before, after, noise = _with_units(gap, unit)
-    shrinks = "shrinks" if (gap.after_rms or 0.0) < (gap.before_rms or 0.0) else "grows"
-    size = f"is {after} rms" if _stays(gap) else f"{shrinks} from {before} to {after} rms"
+    old, new = gap.before_rms or 0.0, gap.after_rms or 0.0
+    size = f"{'shrinks' if new < old else 'grows'} from {before} to {after} rms"
+    if abs(new - old) <= 0.01 * old:  # a per cent is no change
+        size = f"is {after} rms"
     return f"{size}{f'; sensor noise is {noise}' if gap.noise_rms is not None else ''}."
 
 

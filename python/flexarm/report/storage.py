@@ -129,7 +129,7 @@ def stored(path: str | Path) -> dict[str, Any]:
         "remainder": details["remainder"],
         "next_experiment": told["next_experiment"],
         "statistics": TypeAdapter(FitStatistics).validate_python(details["statistics"]),
-        "laws": tuple(_law(entry) for entry in told["laws"]),
+        "laws": tuple_of(LawCurve, [{**law, **law.pop("gap")} for law in told["laws"]], None),
         "provenance": {key: value for key, value in told["provenance"].items() if key != "rejected"},
     }
 
@@ -188,11 +188,6 @@ def _refined(updated: Arm, before: Mapping[str, Comparison], entry: Entry) -> Re
     if unit == "SI":
         unit = next((each.signals[signal].unit for each in before.values() if signal in each.signals), unit)
     return Refined(parameter.key, entry["value"], std, entry["nominal"], unit)
-
-
-def _law(entry: Entry) -> LawCurve:
-    flat = {**entry, **entry["gap"]}
-    return TypeAdapter(LawCurve).validate_python({key: flat[key] for key in flat if key != "gap"})
 
 
 def _comparisons(dataset: xr.Dataset) -> dict[str, dict[str, Comparison]]:

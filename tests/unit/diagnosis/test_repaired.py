@@ -49,7 +49,7 @@ def test_a_repair_is_held_against_the_model_as_it_is_stated(monkeypatch):
     stated, asked = object(), []
     null, best = SimpleNamespace(residual=object()), SimpleNamespace(members=("spring",))
     choice = SimpleNamespace(best=best, null=null, estimator=SimpleNamespace(nominal_residual=lambda: stated))
-    monkeypatch.setattr(verification, "_closes", lambda *_: False)
+    monkeypatch.setattr(verification, "press_rms", lambda *_: 1.0)
     monkeypatch.setattr(
         verification, "cross_validated_skill", lambda best, null, residual, _: asked.append(residual) or 1.0
     )

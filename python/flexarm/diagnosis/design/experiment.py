@@ -156,9 +156,8 @@ def from_drive(
     frames: Mapping[str, Frame] | None = None,
 ) -> Experiment:
     """Return a motion beside the model's sensors, or, where it has none, a tracker at its last point."""
-    encoders = {
-        joint: next((s.name for s in arm.sensors if _shows(s, joint)), joint) for joint in drive.joints
-    }
+    motors = [s for s in arm.sensors if s.quantity == "joint_angle" and s.side != "output"]
+    encoders = {joint: next((s.name for s in motors if s.joint == joint), joint) for joint in drive.joints}
     own = next((s.clock for s in arm.sensors if s.name in encoders.values() and s.clock), CONTROLLER)
     said: list[str] = []
     sensors = [sensor for sensor in arm.sensors if sensor.name not in encoders.values()]
@@ -196,7 +195,10 @@ def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] 
 
     `noise` is 1 sigma of signals that state none [SI].
     """
-    drive = _ended(Drive.from_record(record, arm))
+    drive = Drive.from_record(record, arm)
+    # held after its last break, a rate would jump, as that of no motor does
+    last = max((float(each.breaks[-1]) for each in drive.joints.values()), default=drive.end)
+    drive = replace(drive, end=min(drive.end, last))
     drivers = {str(record.signals[d].joint): d for d in record.drive}
     own = next((record.signals[d].clock for d in record.drive), record.reference_clock)
     said: list[str] = []
@@ -221,17 +223,6 @@ def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] 
         record.base,
         tuple(said),
     )
-
-
-def _ended(drive: Drive) -> Drive:
-    """Return the same until the motion ends: held after it, its rate would jump, as that of no motor does."""
-    last = max((float(each.breaks[-1]) for each in drive.joints.values()), default=drive.end)
-    return replace(drive, end=min(drive.end, last))
-
-
-def _shows(sensor: Sensor, joint: str) -> bool:
-    """Return True if a sensor of the model shows a motor's angle."""
-    return sensor.quantity == "joint_angle" and sensor.joint == joint and sensor.side != "output"
 
 
 def _tracker(arm: Arm, drive: Drive) -> Sensor:

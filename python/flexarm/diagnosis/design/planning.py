@@ -21,7 +21,7 @@ from flexarm.arm.joint_units import parameters_in
 from flexarm.configuration import version
 from flexarm.diagnosis.candidate import value_of
 from flexarm.diagnosis.design.candidate_measurements import menu
-from flexarm.diagnosis.design.experiment import Experiment, from_drive, from_record
+from flexarm.diagnosis.design.experiment import from_drive, from_record
 from flexarm.diagnosis.design.plan_result import Plan, PlannedEffect, Tie
 from flexarm.diagnosis.design.separation import (
     VirtualExperiments,
@@ -150,7 +150,12 @@ def plan(
     begun = time.monotonic()
     tell = progress or (lambda done, what: None)
     given = drives if isinstance(drives, Mapping) else {f"run_{k + 1}": each for k, each in enumerate(drives)}
-    runs = [_experiment(name, drive, arm, clocks, frames) for name, drive in given.items()]
+    runs = [
+        from_record(name, drive, arm)
+        if isinstance(drive, Record)
+        else from_drive(name, drive, arm, clocks, frames)
+        for name, drive in given.items()
+    ]
     if not runs:
         raise InvalidParameter("needs at least one motion", where="drives")
     tell(0.02, "simulating")
@@ -184,15 +189,3 @@ def plan(
         said,
         {"version": version(), "seconds": time.monotonic() - begun},
     )
-
-
-def _experiment(
-    name: str,
-    drive: Drive | Record,
-    arm: Arm,
-    clocks: Mapping[str, Clock] | None,
-    frames: Mapping[str, Frame] | None,
-) -> Experiment:
-    if isinstance(drive, Record):
-        return from_record(name, drive, arm)
-    return from_drive(name, drive, arm, clocks, frames)
