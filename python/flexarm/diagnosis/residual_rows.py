@@ -206,7 +206,8 @@ def static_jacobian(problem: Problem, arm: Arm, keys: Sequence[str]) -> Floats |
 def _put_pose_slopes(found: Floats, problem: Problem, arm: Arm, name: str, keys: list[str]) -> None:
     record, placement = problem.records[name], problem.placement[name]
     carried = record.applied_to(arm)
-    if any(_is_overruled(key, arm, carried) for key in keys):
+    effects = (key.split(".")[1:3] for key in keys if key.startswith("effects."))
+    if any(arm.effect(*place) != carried.effect(*place) for place in effects):
         raise InvalidParameter("is what the record states", where="sensitivities")
     run = solve_poses(carried, record, sensitivities=keys)
     stamps = pose_numbers(record)
@@ -217,12 +218,6 @@ def _put_pose_slopes(found: Floats, problem: Problem, arm: Arm, name: str, keys:
         return -predict_slopes(run, signal, registration=frame, stamps=stamps[name])
 
     write_over_noise(found, problem.rows_of(name), of_signal)
-
-
-def _is_overruled(key: str, arm: Arm, carried: Arm) -> bool:
-    """Return True if a parameter is that of an effect in whose place a record has its own."""
-    table, name, at, *_ = key.split(".")
-    return table == "effects" and arm.effect(name, at) != carried.effect(name, at)
 
 
 def _only_seen(problem: Problem, key: str) -> bool:

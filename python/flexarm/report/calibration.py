@@ -65,12 +65,12 @@ def page(found: Calibration, drawings: list[Drawing]) -> str:
 
 
 def _figures(found: Calibration) -> Iterator[tuple[str, str, str, Figure | None]]:
-    for name, figure in members(found):
-        what = (
-            "Members with 90 % intervals; the line is the shared size, the band its 90 % interval. Grey: the "
-            "data hardly know the member, which stays near the others."
-        )
-        yield name, "families", what, figure
+    what = (
+        "Members with 90 % intervals; the line is the shared size, the band its 90 % interval. Grey: the "
+        "data hardly know the member, which stays near the others."
+    )
+    for family in found.families:
+        yield f"{family.effect}-{family.parameter}", "families", what, members(found, family)
     yield from gaps_along(found, "gap")
     what = "Correlations of the parameters that the data determine, in the order of the table."
     yield "correlations", "correlations", what, correlations(found)
@@ -79,13 +79,8 @@ def _figures(found: Calibration) -> Iterator[tuple[str, str, str, Figure | None]
 UNKNOWN = "#999999"
 
 
-def members(found: Calibration) -> Iterator[tuple[str, Figure]]:
-    """Yield name and figure of each family: its members with 90 % intervals."""
-    for family in found.families:
-        yield f"{family.effect}-{family.parameter}", _members(found, family)
-
-
-def _members(found: Calibration, family: CalibratedFamily) -> Figure:
+def members(found: Calibration, family: CalibratedFamily) -> Figure:
+    """Return the members of a family with 90 % intervals."""
     keys = [f"effects.{family.effect}.{at}.{family.parameter}" for at in family.at]
     estimates = [found.parameter(key) for key in keys]
     factor, unit = scale([each.value for each in estimates], family.unit)

@@ -66,7 +66,11 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         gaps=gap_tables(d),
         role=partial(_role, d),
         where=list(_where_rows(d)),
-        follows=list(_follows_rows(d)),
+        follows=[
+            {"signal": signal, "state": found.best, "share": f"{100 * found.share:.0f} %"}
+            for signal, found in (d.located.dependence if d.located is not None else {}).items()
+            if found.relevant
+        ],
         rotations=list(_rotation_rows(d)),
         effects=[_effect(d, each) for each in d.effects],
         refined=list(_refined_rows(d)),
@@ -107,13 +111,6 @@ def _where_rows(d: Diagnosis) -> Iterator[Row]:
             "times": "–" if not noise else number(cell["rms"] / noise, 2),
             "band": "all" if high is None else f"{low or 0:.3g} to {high:.3g} Hz",
         }
-
-
-def _follows_rows(d: Diagnosis) -> Iterator[Row]:
-    """Which state explains the gap of a signal best, where one does."""
-    for signal, found in (d.located.dependence if d.located is not None else {}).items():
-        if found.relevant:
-            yield {"signal": signal, "state": found.best, "share": f"{100 * found.share:.0f} %"}
 
 
 def _rotation_rows(d: Diagnosis) -> Iterator[Row]:

@@ -83,7 +83,8 @@ def constancy(d: Diagnosis, entries: Sequence[Any]) -> Figure | None:
 def draw_constancy(ax: Axes, d: Diagnosis, entry: Any) -> None:
     """One parameter by record with 90 % bars; the joint estimate and its interval as a band."""
     values = {name: (float(value), float(std)) for name, (value, std) in entry["values"].items()}
-    joint = _estimate(d, entry)
+    estimates = (each for effect in d.effects if _is_of(entry, effect) for each in effect.parameters)
+    joint = next((each for each in estimates if each.name == entry["parameter"]), None)
     factor, unit = scale([value for value, _ in values.values()], entry["unit"])
     if joint is not None:
         ax.axvspan(factor * joint.low90, factor * joint.high90, color=RIVAL, alpha=0.35, lw=0)
@@ -97,14 +98,6 @@ def draw_constancy(ax: Axes, d: Diagnosis, entry: Any) -> None:
     ax.set_xlabel(f"{entry['parameter']} [{unit or '-'}]")
     ax.set_title(f"{place_words(entry['effect'], entry['at'])}{moves}")
     ax.margins(x=0.15)
-
-
-def _estimate(d: Diagnosis, entry: Any) -> Any:
-    """Return what all records together gave for a parameter, or None."""
-    for effect in d.effects:
-        if _is_of(entry, effect):
-            return next((each for each in effect.parameters if each.name == entry["parameter"]), None)
-    return None
 
 
 def _is_of(entry: Any, effect: NamedEffect) -> bool:

@@ -288,7 +288,8 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
         keep = np.isfinite(measured[:, k]) & np.isfinite(predicted[:, k])
         moving = float(np.std(predicted[keep, k])) if keep.any() else 0.0
         stated = float(simulated.effects(signal).noise(signal.noise_std or 0.0)[k])
-        noise = min(stated, _successive_scatter(measured[keep, k]))
+        steps = np.diff(measured[keep, k])  # their scatter is an upper bound of the noise
+        noise = min(stated, float(np.std(steps) / np.sqrt(2)) if len(steps) > 1 else 0.0)
         found.append(
             Channel(
                 name,
@@ -318,11 +319,6 @@ def _driven(simulated: SimulatedRecord, instants: Floats) -> NDArray[np.bool_]:
     moving = np.any(rate > POLICY.moving_rate * np.max(rate, axis=0), axis=1)
     found: NDArray[np.bool_] = np.interp(instants, run.time, moving.astype(float)) > 0
     return found
-
-
-def _successive_scatter(y: Floats) -> float:
-    """Return the scatter from one reading to the next, an upper bound of the noise."""
-    return float(np.std(np.diff(y)) / np.sqrt(2)) if len(y) > 2 else 0.0
 
 
 def _matching_quaternions(signal: Signal, predicted: Floats) -> Floats:

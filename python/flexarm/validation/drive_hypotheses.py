@@ -205,7 +205,10 @@ def rigid_record(arm: Arm, record: Record) -> SimulatedRecord | None:
     Raise InvalidParameter if the record does not say how it drives the arm.
     """
     drives = {name: record.signals[name] for name in record.drive}
-    shown = {name: _thinned(signal) for name, signal in kinematic_signals(record).items()}
+    shown = {}
+    for name, signal in kinematic_signals(record).items():
+        every = slice(None, None, -(-len(signal) // ROWS) or 1)
+        shown[name] = signal.replace(time=signal.time[every], values=signal.values[every])
     if record.kind == "static" or arm.gears or not shown:
         return None
     run = rigid_motion(record.applied_to(arm), *_driven(arm, record))
@@ -220,12 +223,6 @@ def kinematic_signals(record: Record) -> dict[str, Signal]:
         for name, signal in record.signals.items()
         if name not in record.drive and signal.quantity in KINEMATIC
     }
-
-
-def _thinned(signal: Signal) -> Signal:
-    """Return a signal with at most `ROWS` readings."""
-    every = slice(None, None, -(-len(signal) // ROWS) or 1)
-    return signal.replace(time=signal.time[every], values=signal.values[every])
 
 
 def _driven(arm: Arm, record: Record) -> tuple[Floats, dict[str, Floats]]:

@@ -181,12 +181,9 @@ def _isolated(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def _removed(name: str, signal: Signal, rows: NDArray[np.bool_], values: Floats) -> RemovedOutliers:
     """Return removed rows with the rms distance of `values` from the line through their neighbours."""
     good = ~rows & np.isfinite(values).all(axis=1)
-    off = [y[rows] - _interpolate_neighbours(signal.time[rows], signal.time[good], y[good]) for y in values.T]
-    size = float(np.sqrt(np.nanmean(np.sum(np.square(off), axis=0))))
+    time, y, at = signal.time[good], values[good], signal.time[rows]
+    k = np.clip(np.searchsorted(time, at) - 1, 0, len(time) - 2)  # at the ends the line is extrapolated
+    share = ((at - time[k]) / (time[k + 1] - time[k]))[:, None]
+    off = values[rows] - y[k] - (y[k + 1] - y[k]) * share
+    size = float(np.sqrt(np.nanmean(np.sum(off**2, axis=1))))
     return RemovedOutliers(name, signal.name, tuple(map(int, np.flatnonzero(rows))), size, signal.unit)
-
-
-def _interpolate_neighbours(at: Floats, time: Floats, y: Floats) -> Floats:
-    """Interpolate linearly between neighbours, and extrapolate at the ends."""
-    first = np.clip(np.searchsorted(time, at) - 1, 0, len(time) - 2)
-    return np.asarray(y[first] + (y[first + 1] - y[first]) * (at - time[first]) / np.diff(time)[first])

@@ -148,7 +148,8 @@ def _cut(y: Floats, p: Floats, noise: float, floor: float, steps: float = 0.0) -
     )
     if at.sum() < fewest or at.sum() > 0.9 * len(y):
         return None
-    if width and not _piled_up(y, level, noise):
+    at_level, below = (np.sum(np.abs(y - each) <= noise) for each in (level, level - 5 * noise))
+    if width and at_level <= 2 * below:
         return None
     shift, left = _centre_and_scatter(y[inner] - p[inner], floor)
     moving = float(np.std(p))
@@ -167,13 +168,6 @@ def _end(y: Floats, noise: float) -> tuple[Rows, float, float]:
         return exact, top, 0.0
     at = y >= top - 6 * noise
     return at, float(np.median(y[at])), 6 * noise
-
-
-def _piled_up(y: Floats, level: float, noise: float) -> bool:
-    """Return True if twice as many readings lie at a level as just below it."""
-    about = np.abs(y - level) <= noise
-    below = np.abs(y - (level - 5 * noise)) <= noise
-    return bool(about.sum() > 2 * below.sum())
 
 
 def _centre_and_scatter(gap: Floats, floor: float) -> tuple[float, float]:

@@ -108,7 +108,10 @@ class _Next:
             record = run.record(arm, step, problem.alpha)
             there = Problem(arm, {run.name: record}, step=step, alpha=problem.alpha, jobs=problem.jobs)
             best = there.residual(arm)
-            each = _unknowns(choice, arm, there)
+            known = choice.estimator.nuisance.parameters
+            keys = {u.key for u in known}  # and the places of reflectors that are added
+            added = (u for u in nominal(arm, there.records) if u.key.startswith("points."))
+            each = (*known, *(u for u in added if u.key not in keys))
             jacobian = there.jacobian(arm, [u.key for u in each])
             models = [_put(arm, choice, alternative.fit) for _, alternative in pairs]
             apart = [there.residual(model) - best for model in models]
@@ -120,14 +123,6 @@ class _Next:
             return None
         signals = [row.signal for row, where in there.channels() for _ in range(where.stop - where.start)]
         return cls(_Rows(each, jacobian, apart, moves), signals)
-
-
-def _unknowns(choice: Choice, arm: Arm, problem: Problem) -> tuple[NuisanceParameter, ...]:
-    """Those of the diagnosis, and the places of reflectors that are added."""
-    known = choice.estimator.nuisance.parameters
-    taken = {u.key for u in known}
-    more = (u for u in nominal(arm, problem.records) if u.key not in taken and u.key.startswith("points."))
-    return (*known, *more)
 
 
 def _put(arm: Arm, choice: Choice, fit: Fit, members: Sequence[Candidate] | None = None) -> Arm:

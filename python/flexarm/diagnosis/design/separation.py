@@ -42,7 +42,6 @@ from flexarm.diagnosis.nuisance import NuisanceModel, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import RIDGE, Probed, probe
-from flexarm.record import Record
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,8 +236,13 @@ class VirtualExperiments:
         self.units = {name: s.unit for r in problem.records.values() for name, s in r.signals.items()}
         rows = PlannedRows(problem, sensors)
         self.nuisance = nuisance_model(problem)
-        plain = Problem(self.arm, {n: _only(r, sensors) for n, r in problem.records.items()}, step=self.step)
-        self.candidates = candidates(plain, self.nuisance.arm)
+        records = {
+            name: record.replace(
+                signals={n: s for n, s in record.signals.items() if n in sensors or n in record.drive}
+            )
+            for name, record in problem.records.items()
+        }
+        self.candidates = candidates(Problem(self.arm, records, step=self.step), self.nuisance.arm)
         return self._responses(problem, self.candidates, note), rows
 
     def _responses(
@@ -307,9 +311,3 @@ class PlannedRows:
 def _order(parting: Parting) -> tuple[bool, float, float]:
     """Those that part first, the cheapest of them, and of these the best; then the best of the rest."""
     return (not parting.parts, parting.minutes if parting.parts else 0.0, -parting.log_bayes_factor)
-
-
-def _only(record: Record, sensors: set[str]) -> Record:
-    """With the drive and some signals."""
-    kept = {n: s for n, s in record.signals.items() if n in sensors or n in record.drive}
-    return record.replace(signals=kept)

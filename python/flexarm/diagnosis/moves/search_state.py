@@ -34,7 +34,8 @@ from flexarm.named_effects import Place
 
 def newly_soft_joints(fit: Fit) -> frozenset[str]:
     """Return joints that are rigid in the nominal model and have a spring in a fit."""
-    return frozenset(at for m in fit.members if _softens_a_joint(m) for _, at in m.spots)
+    springs = (m for m in fit.members if m.effect.is_spring and m.effect.place == "joint")
+    return frozenset(at for m in springs if m.without is None or m.without.inert for _, at in m.spots)
 
 
 def probed_through_springs(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
@@ -58,12 +59,6 @@ def probed_about(estimator: Estimator, probed: Probed, fit: Fit) -> Probed:
         before = problem.residual(arm)
         return replace(probed, moves=np.stack([problem.residual(each) - before for each in models], axis=1))
     return probed
-
-
-def _softens_a_joint(member: Candidate) -> bool:
-    """Return True for a spring at a joint that is rigid in the nominal model."""
-    rigid = member.without is None or member.without.inert
-    return member.effect.is_spring and member.effect.place == "joint" and rigid
 
 
 def rescreened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
