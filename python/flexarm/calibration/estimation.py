@@ -40,7 +40,7 @@ from flexarm.calibration.families import Family
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.diagnosis.discrepancy import Discrepancy
-from flexarm.diagnosis.evidence import discrepancies_of, simulation_errors
+from flexarm.diagnosis.evidence import by_channel, discrepancies_of, simulation_errors
 from flexarm.diagnosis.fit import FIT_ERRORS, NormalEquations, Projection
 from flexarm.diagnosis.noise_model import input_noise_errors
 from flexarm.diagnosis.problem import Problem
@@ -147,17 +147,14 @@ class Weighting:
 
     def root(self, values: Floats) -> Floats:
         """Return the root of W times values of shape (n, ...)."""
-        found = np.empty_like(values)
-        for (_, where), each in zip(self.problem.channels(), self.discrepancies, strict=True):
-            found[where] = each.weighted(values[where])
-        return found
+        return by_channel(lambda each, rows: each.weighted(rows), values, self.problem, self.discrepancies)
 
     def covariance(self, jacobian: Floats, prior: Floats, inverse: Floats) -> Floats:
         """Return V of (3) from J, P and H^-1."""
         weighted = self.root(self.root(jacobian))
-        correlated = np.empty_like(weighted)  # C W J
-        for (_, where), each in zip(self.problem.channels(), self.discrepancies, strict=True):
-            correlated[where] = each.times(weighted[where])
+        correlated = by_channel(
+            lambda each, rows: each.times(rows), weighted, self.problem, self.discrepancies
+        )
         found = robust_covariance(weighted, correlated, prior, inverse, self.input_errors)
         size = simulation_errors(self.problem, False)
         return found + np.diag(surrogates(self.problem, jacobian, weighted @ inverse, size) ** 2)

@@ -62,7 +62,7 @@ Each part must be predicted better than by the nominal model. Source: block cros
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import log, pi
 
@@ -129,7 +129,7 @@ class Evidence:
 
     def whitened(self, values: Floats, problem: Problem) -> Floats:
         """Return the root of C^-1 times values of shape (n, ...)."""
-        return whitened(values, problem, self.discrepancies)
+        return by_channel(lambda each, rows: each.whitened(rows), values, problem, self.discrepancies)
 
     def with_error(self, v: Floats, c: float, problem: Problem) -> float:
         """Return the log likelihood where c v v^T adds to C (matrix determinant lemma)."""
@@ -139,17 +139,19 @@ class Evidence:
 
     def covariance_times(self, values: Floats, problem: Problem) -> Floats:
         """Return C times values of shape (n, ...)."""
-        found = np.empty_like(values)
-        for (_, where), each in zip(problem.channels(), self.discrepancies, strict=True):
-            found[where] = each.times(values[where])
-        return found
+        return by_channel(lambda each, rows: each.times(rows), values, problem, self.discrepancies)
 
 
-def whitened(values: Floats, problem: Problem, discrepancies: tuple[Discrepancy, ...]) -> Floats:
-    """Return the root of C^-1 times values of shape (n, ...)."""
+def by_channel(
+    product: Callable[[Discrepancy, Floats], Floats],
+    values: Floats,
+    problem: Problem,
+    discrepancies: tuple[Discrepancy, ...],
+) -> Floats:
+    """Return values of shape (n, ...), those of each channel by the product with its discrepancy."""
     found = np.empty_like(values)
     for (_, where), each in zip(problem.channels(), discrepancies, strict=True):
-        found[where] = each.whitened(values[where])
+        found[where] = product(each, values[where])
     return found
 
 
@@ -185,11 +187,16 @@ def _evidence_of(fit: Fit, problem: Problem) -> Evidence:
     n, k = len(problem), len(fit.z)
     discrepancies = discrepancies_of(fit.projected[:n], problem, fit.non_smooth)
     jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
-    weighed = whitened(np.column_stack([jacobian, fit.residual]), problem, discrepancies)
+    weighed = by_channel(
+        lambda each, rows: each.whitened(rows),
+        np.column_stack([jacobian, fit.residual]),
+        problem,
+        discrepancies,
+    )
     step = gls_step(fit, weighed[:, :-1], weighed[:, -1])
     left = fit.projected[:n] + jacobian @ step
     pulls = fit.projected[n:] + step[k:] / fit.projection.sigma
-    white = whitened(left, problem, discrepancies)
+    white = by_channel(lambda each, rows: each.whitened(rows), left, problem, discrepancies)
     determinant = sum(each.log_determinant - 2 * each.log_prior for each in discrepancies)
     return Evidence(
         discrepancies,

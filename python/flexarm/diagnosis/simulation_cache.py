@@ -85,13 +85,9 @@ class SimulationCache:
 
     def jerked(self, start: InitialCondition, arm: Arm, height: float) -> SimulatedRecord:
         """Return the simulation of a record after a jerk of a drive."""
-        record = self.records[start.record]
-        carried = record.applied_to(arm)
-        drive = self.drive(start.record, carried)
-        jerk = jerked(drive.joints[start.joint], start.before, start.width, height)
-        self.made += 1
-        run = self._along(replace(drive, joints={**drive.joints, start.joint: jerk}), start.record, carried)
-        return pair_record(run, record, arm=carried)
+        drive = self.drive(start.record, self.records[start.record].applied_to(arm)).joints[start.joint]
+        jerk = jerked(drive, start.before, start.width, height)
+        return self.driven(start.record, arm, {start.joint: jerk})
 
     def driven(self, name: str, arm: Arm, joints: Mapping[str, JointDrive]) -> SimulatedRecord:
         """Return the simulation of a record along other drives of some joints; it is not cached."""
