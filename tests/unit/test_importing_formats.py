@@ -223,3 +223,61 @@ def test_missing_topics_stamps_and_numbers_of_a_bag_are_told(tmp_path):
         with pytest.raises(InvalidFile) as caught:
             flexarm.import_record(tmp_path / "run.toml")
         assert told in str(caught.value) or "topic: log.bag: is missing" in str(caught.value)
+
+
+TRACKERS = {
+    "blanks, remarks, date and time": (
+        "// SA 2024.1, Working Frame: A::Tracker\n// Units: mm\n",
+        "A Tip p{k} {x:.4f} 0.0000 {z:.4f} 09/14/2026 14:00:{s:06.3f}",
+        'columns = [4, 5, 6]\ntime = [7, 8]\ntime_format = "%m/%d/%Y %H:%M:%S.%f"',
+    ),
+    "commas, names in a remark, half days": (
+        "// Exported from SpatialAnalyzer\n// Collection, Group, Target, X, Y, Z, Timestamp\n",
+        "A, Tip, p{k}, {x:.4f}, 0.0000, {z:.4f}, 09/14/2026 02:00:{s:06.3f} PM",
+        'columns = ["X", "Y", "Z"]\ntime = 7\ntime_format = "%m/%d/%Y %I:%M:%S.%f %p"',
+    ),
+    "tabs, a line of units": (
+        "Collection\tGroup\tTarget\tX\tY\tZ\tTime\n\t\t\tmm\tmm\tmm\ts\n",
+        "A\tTip\tp{k}\t{x:.4f}\t0.0000\t{z:.4f}\t{s:.3f}",
+        'columns = ["X", "Y", "Z"]\ntime = "Time"',
+    ),
+    "whole names of targets": (
+        "// Working Frame: A::World\n",
+        "A::Tip::p{k} {x:.4f} 0.0000 {z:.4f} {s:.3f}",
+        'columns = [2, 3, 4]\ntime = 5\nwhere = { 1 = "A::Tip::*" }',
+    ),
+    "Leica, columns of one width": (
+        "",
+        "{k}  {x:12.5f}      0.00000 {z:12.5f}  14:00:{s:06.3f}",
+        'columns = [2, 3, 4]\ntime = 5\ntime_format = "%H:%M:%S.%f"',
+    ),
+    "Leica, semicolons and names": (
+        "Nr;Point Id;X [mm];Y [mm];Z [mm];Date;Time;RMS\n",
+        "{k};TIP;{x:.5f};0.00000;{z:.5f};14.09.2026;14:00:{s:06.3f};0.0102",
+        'columns = ["X [mm]", "Y [mm]", "Z [mm]"]\ntime = ["Date", "Time"]\n'
+        'time_format = "%d.%m.%Y %H:%M:%S.%f"\nwhere = { "Point Id" = "TIP" }',
+    ),
+    "Leica, a stream with its deviations": (
+        "# Leica AT960 stream, units: mm, s\n# id, t, x, y, z, sx, sy, sz\n",
+        "TIP, {s:.3f}, {x:.5f}, 0.00000, {z:.5f}, 0.010, 0.010, 0.012",
+        "columns = [3, 4, 5]\ntime = 2",
+    ),
+}
+
+
+@pytest.mark.parametrize("form", TRACKERS)
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_exports_of_laser_trackers_are_read_in_their_forms(tmp_path, form, end):
+    head, row, keys = TRACKERS[form]
+    t = 5.0 + 0.1 * np.arange(30)
+    x, z = 1500 * np.sin(t), 2600 + 300 * np.cos(t)
+    rows = [row.format(k=k + 1, x=x[k], z=z[k], s=t[k]) for k in range(30)]
+    text = (head + "\n".join(rows) + "\n").replace("\n", end)
+    (tmp_path / "tracker.txt").write_bytes(text.encode())
+    (tmp_path / "map.toml").write_text(
+        'format = "flexarm-map/1"\n[[signals]]\nname = "tip"\nsource = "tracker.txt"\nquantity = "position"\n'
+        f'point = "tip"\nunit = "mm"\n{keys}\n'
+    )
+    tip = flexarm.import_record(tmp_path / "map.toml").signals["tip"]
+    np.testing.assert_allclose(tip.values, np.column_stack([x, 0 * x, z]) / 1e3, atol=1e-7)
+    np.testing.assert_allclose(np.diff(tip.time), np.diff(t), atol=1e-6)

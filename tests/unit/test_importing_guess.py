@@ -226,6 +226,7 @@ def test_options_that_are_missing_or_out_of_place_are_errors(logs, capsys):
         ("effort[elbow]", "sensor_msgs/msg/JointState", "motor_torque", "", ""),
         ("Position Reference (rad)", "", "joint_command", "", "rad"),
         ("Motor Current [A]", "", "current", "", "A"),
+        ("Zähler Hüfte [Inkr]", "", "joint_angle", "", "counts"),
         ("error_pos_deg", "", "", "", "deg"),
         ("temperature", "", "", "", ""),
     ],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from unicodedata import combining, normalize
 
 from flexarm.units import factor_to
 
@@ -93,12 +94,13 @@ class Meaning:
 
 
 def words_of(name: str) -> list[str]:
-    """Return the words of a name in lower case.
+    """Return the words of a name in lower case, without accents.
 
-    >>> words_of("act_posMot[2]")
-    ['act', 'pos', 'mot', '2']
+    >>> words_of("act_posMot[2]"), words_of("Zähler Hüfte")
+    (['act', 'pos', 'mot', '2'], ['zahler', 'hufte'])
     """
-    return [word.lower() for word in WORD.findall(name)]
+    plain = "".join(letter for letter in normalize("NFD", name) if not combining(letter))
+    return [word.lower() for word in WORD.findall(plain)]
 
 
 def unit_in(name: str, said: str = "") -> str:
