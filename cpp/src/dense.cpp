@@ -81,6 +81,8 @@ RightSingular right_singular(const MatrixXd& A) {
   return {solver.singularValues(), solver.matrixV()};
 }
 
+MatrixXd congruent(const MatrixXd& A, const MatrixXd& T) { return T.transpose() * A * T; }
+
 MatrixXd inverse(const MatrixXd& A) { return Eigen::PartialPivLU<MatrixXd>(A).inverse(); }
 
 MatrixXd least_squares(const MatrixXd& A, const MatrixXd& B) {

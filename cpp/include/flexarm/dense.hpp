@@ -1,6 +1,6 @@
 /// @file
-/// Decompositions of dense matrices, compiled once: each takes a compiler as long as a whole file of
-/// mechanics.
+/// Decompositions and products of dense matrices, compiled once: each decomposition takes a compiler as long
+/// as a whole file of mechanics.
 ///
 ///     A = V diag(λ) Vᵀ,   A V = B V diag(λ) with Vᵀ B V = I,   A = U diag(σ) Vᵀ                       (1)
 ///
@@ -43,6 +43,9 @@ struct RightSingular {
   MatrixXd vectors;
 };
 RightSingular right_singular(const MatrixXd& A);
+
+/// Tᵀ A T.
+MatrixXd congruent(const MatrixXd& A, const MatrixXd& T);
 
 /// A⁻¹, by elimination with row pivots.
 MatrixXd inverse(const MatrixXd& A);

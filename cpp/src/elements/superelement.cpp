@@ -1,6 +1,5 @@
 #include "flexarm/elements/superelement.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "flexarm/dense.hpp"
@@ -65,7 +64,7 @@ SuperElementIn<D>::SuperElementIn(const model::SuperElementLink& part, int first
   for (int i = 0; i < n_interfaces(); ++i) {
     R.middleRows<6>(6 * i) = rigid_motion(positions_[i] - positions_[0]);
   }
-  rigid_mass_ = R.transpose() * part.mass * R;
+  rigid_mass_ = dense::congruent(part.mass, R);
   const double mass = rigid_mass_(0, 0);
   if (!(mass > 0)) {
     throw InvalidParameter("link '" + name_ + "': the mass must be positive, got " + std::to_string(mass) +
@@ -85,9 +84,9 @@ SuperElementIn<D>::SuperElementIn(const model::SuperElementLink& part, int first
   VectorXd scale = VectorXd::Ones(m + n_modes_);
   scale.tail(n_modes_) = mode_scale_;
   M_ = scale.asDiagonal() * part.mass * scale.asDiagonal();
-  K_ = G_.transpose() * part.stiffness * G_;  // eq. (3)
+  K_ = dense::congruent(part.stiffness, G_);  // eq. (3)
   C_ = MatrixXd::Zero(K_.rows(), K_.cols());
-  if (part.damping.size() > 0) C_ = G_.transpose() * part.damping * G_;
+  if (part.damping.size() > 0) C_ = dense::congruent(part.damping, G_);
   Gamma_ = G_.transpose() * part.mass * R.leftCols<3>();
   find_structure();
   if (part.damping_ratio > 0) set_damping_ratio(part.damping_ratio);
@@ -105,11 +104,11 @@ SuperElementIn<D>::SuperElementIn(const SuperElementIn<3>& part, const PlaneAxes
   for (const Vector3d& p : part.positions_) positions_.push_back(axes.part(p));
   const auto P = axes.within();
   const MatrixXd nodes = repeated(P, n_interfaces(), modes), strains = repeated(P, n_interfaces() - 1, modes);
-  M_ = nodes.transpose() * part.M_ * nodes;
-  K_ = strains.transpose() * part.K_ * strains;
-  C_ = strains.transpose() * part.C_ * strains;
+  M_ = dense::congruent(part.M_, nodes);
+  K_ = dense::congruent(part.K_, strains);
+  C_ = dense::congruent(part.C_, strains);
   Gamma_ = strains.transpose() * part.Gamma_ * axes.E.leftCols<2>();
-  rigid_mass_ = P.transpose() * part.rigid_mass_ * P;
+  rigid_mass_ = dense::congruent(part.rigid_mass_, P);
   find_structure();
 }
 
@@ -128,17 +127,14 @@ void SuperElementIn<D>::set_damping_ratio(double zeta)
   requires(D == 3)
 {
   if (K_.rows() == 0) return;
-  const Eigen::LLT<MatrixXd> factor(K_);
-  if (factor.info() != Eigen::Success) {
+  if (!dense::is_positive_definite(K_)) {
     throw InvalidParameter("link '" + name_ +
                            "': a damping ratio needs a stiffness that resists every deformation");
   }
   MatrixXd G = G_;
   G.bottomRightCorner(n_modes_, n_modes_).setIdentity();  // M counts the amplitudes in η already
-  const MatrixXd half = factor.matrixL().solve(G.transpose() * M_ * G);
-  const MatrixXd A = factor.matrixL().solve(half.transpose());
-  const VectorXd omega_squared = dense::eigenvalues(0.5 * (A + A.transpose()));
-  C_ = 2 * zeta * std::sqrt(omega_squared.maxCoeff()) * K_;
+  const VectorXd inverse_squares = dense::eigenpairs(dense::congruent(M_, G), K_).values;  // 1/ω²
+  C_ = 2 * zeta * std::sqrt(inverse_squares.maxCoeff()) * K_;
   find_structure();
 }
 
@@ -235,7 +231,7 @@ MatrixXd SuperElementIn<D>::stiffness_matrix(const Configuration& at, const Vect
     material.middleCols<n>(k) += C_.middleCols<n>(k) * geometry::strain_rate_gradient<D>(
                                                            d.segment<n>(k), V.head<n>(), V.segment<n>(n * i));
   }
-  MatrixXd K = B.transpose() * material * B;
+  MatrixXd K = dense::congruent(material, B);
   for (int i = 1; i < n_interfaces(); ++i) {
     const auto geometric =
         geometry::geometric_stiffness<D>(d.segment<n>(n * i - n), sigma.segment<n>(n * i - n));
@@ -254,7 +250,7 @@ MatrixXd SuperElementIn<D>::stiffness_matrix(const Configuration& at, const Vect
 template <int D>
 MatrixXd SuperElementIn<D>::damping_matrix(const Configuration& at) const {
   const MatrixXd B = strain_matrix(strains(at));
-  return B.transpose() * C_ * B;
+  return dense::congruent(C_, B);
 }
 
 template <int D>
