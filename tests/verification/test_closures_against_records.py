@@ -20,6 +20,7 @@ KEYS = (
 )
 PIN = {"name": "coulomb_friction", "at": "boom_pin", "torque": 800.0}
 EYE = {"name": "coulomb_friction", "at": "rod_eye", "torque": 1500.0}
+SOFT_PIN = {"name": "joint_radial_compliance", "at": "boom_pin", "stiffness": 1e7, "damping": 1e4}
 COMPLIANCE = {"name": "joint_compliance", "at": "piston", "stiffness": 4e6, "damping": 2e4}
 
 
@@ -170,6 +171,7 @@ def test_a_crane_in_which_nothing_is_hidden_is_adequate(seed):
         (crane(effects=[COMPLIANCE]), "joint_compliance", "piston"),
         (crane(effects=[PIN]), "coulomb_friction", "boom_pin"),
         (crane(effects=[EYE]), "coulomb_friction", "rod_eye"),
+        (crane(effects=[SOFT_PIN]), "joint_radial_compliance", "boom_pin"),
         (softer(200e9), "link_stiffness", "boom"),
         (loaded(520.0), "payload_mass", "load"),
     ],

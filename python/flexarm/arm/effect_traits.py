@@ -26,6 +26,8 @@ class EffectTraits(Table):
     At the output of a rigid joint the drive takes it, and no place moves. At the motor it moves the arm where
     the joint follows commands; else only a motor's torque shows it.
     """
+    pins_of_loops_only: ClassVar[bool] = False
+    """True if it is sought only at joints and closures that turn in closed loops, whose pins carry much."""
     at_closures: ClassVar[tuple[str, ...]] = ()
     """Types of closures at which it acts, too: about the axis, along it, or in the bearing."""
     sought_of_commands: ClassVar[tuple[str, ...]] = ()

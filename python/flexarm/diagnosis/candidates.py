@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.arm.closure import loop_joints
 from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.joint import coupled_joints
 from flexarm.arm.joint_units import priors_in
@@ -59,6 +60,14 @@ def driven_joints(arm: Arm, records: Iterable[Record]) -> set[str]:
     return coupled_joints((name for name in driven if name is not None), arm.gears)
 
 
+def pins_of_loops(arm: Arm) -> list[str]:
+    """Return the joints and closures that turn about an axis in closed loops."""
+    found = [
+        joint.name for joint in arm.joints if joint.type == "revolute" and joint.name in loop_joints(arm)
+    ]
+    return found + [closure.name for closure in arm.closures if closure.type == "revolute"]
+
+
 def effect_count(members: Sequence[Candidate], pairs: dict[str, str]) -> int:
     """Return the number of effects, the same one at both axes of a cardan joint counted once."""
     places = {member.place for member in members}
@@ -73,6 +82,8 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
     if kind.leaves_plane and problem.planar:
         return []
     if kind.place == "joint":
+        if kind.pins_of_loops_only:
+            return pins_of_loops(arm)
         joints = [joint.name for joint in arm.joints if joint.moves]
         joints += [closure.name for closure in arm.closures if closure.type in kind.at_closures]
         if kind.torque_at == "motor":

@@ -34,7 +34,7 @@ class JointRadialClearance(Effect):
     """
 
     name: ClassVar[str] = "joint_radial_clearance"
-    competes = False
+    pins_of_loops_only = True
     requires = "joint_radial_compliance"
     at_closures = PINNED
     always_turns = True

@@ -32,7 +32,7 @@ class JointRadialCompliance(SpringEffect):
     """
 
     name: ClassVar[str] = "joint_radial_compliance"
-    competes = False
+    pins_of_loops_only = True
     at_closures = PINNED
     always_turns = True
     typical_stiffness = 1e7
