@@ -53,7 +53,7 @@ def truth() -> Arm:
     return arm
 
 
-def record(seed: int, poses: int = 40, still: tuple[str, ...] = ()) -> Record:
+def record(seed: int, poses: int = 40, still: tuple[str, ...] = (), arm: Arm | None = None) -> Record:
     """Poses of the true arm, seen by a tracker of which nobody knows where it stands."""
     rng = np.random.default_rng(seed)
     names = np.array([str(k) for k in range(poses)])
@@ -67,7 +67,7 @@ def record(seed: int, poses: int = 40, still: tuple[str, ...] = ()) -> Record:
     bare = Record(
         kind="static", signals=[*drives, tip], drive=JOINTS, frames={"tracker": Frame(unknown=True)}
     )
-    places = solve_poses(truth(), bare).position[:, 0]
+    places = solve_poses(arm or truth(), bare).position[:, 0]
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     seen = (places - [1.0, 2.0, 0.5]) @ turn + NOISE * rng.standard_normal((poses, 3))
     return bare.replace(signals=[*drives, tip.replace(values=seen)])
@@ -298,3 +298,16 @@ def test_counts_of_the_drive_widen_intervals_beside_an_accelerometer(seed):
         estimate = found.parameter(key + name)
         assert abs(estimate.value - value) < 3 * estimate.std
         assert estimate.determined
+
+
+def test_a_rigid_joint_cannot_be_told_from_rigid():
+    """Of six joints one is soft: data alone set a least stiffness of the others, below what they have."""
+    soft = robot().with_effect(JointCompliance(at="j2", stiffness=STIFFNESS["j2"]))
+    found = flexarm.calibrate(robot(), {"poses": record(4, arm=soft)}, ["joint_compliance"], jobs=1)
+    names = {name: found.parameter(f"effects.joint_compliance.{name}.stiffness") for name in JOINTS}
+    assert names["j2"].low90 < STIFFNESS["j2"] < names["j2"].high90
+    assert names["j2"].determined
+    assert not any(names[name].determined for name in JOINTS if name != "j2")
+    assert names["j3"].one_sided == "low"  # the next that gravity loads
+    assert names["j3"].low90 > 10 * STIFFNESS["j2"]
+    assert "effects.joint_compliance.j3.stiffness above " in found.summary()

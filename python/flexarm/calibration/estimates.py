@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from flexarm.calibration.policy import CalibrationPolicy
+
+OneSided = Literal["", "low", "high"]
 
 
 @dataclass(frozen=True)
@@ -37,11 +40,14 @@ class CalibratedParameter:
     """Share of the prior variance that the data removed [-]; of a member of a family, of its spread."""
     family: str = ""
     """Effect of its family; empty without one."""
+    one_sided: OneSided = ""
+    """The end that data alone set, if they set one: "low" of a spring that cannot be told from rigid, "high"
+    of what cannot be told from none. The prior sets the other."""
 
     @property
     def determined(self) -> bool:
-        """Return True if the data removed most of the prior variance."""
-        return self.identifiability > CalibrationPolicy.determined
+        """Return True if the data removed most of the prior variance, and set both ends."""
+        return self.identifiability > CalibrationPolicy.determined and not self.one_sided
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from flexarm.calibration.estimates import (
 )
 from flexarm.calibration.estimation import Estimation, Posterior, posterior_of
 from flexarm.calibration.families import Family, family_kinds, with_families
+from flexarm.calibration.intervals import interval_90
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.calibration.result import Calibration
@@ -214,24 +215,27 @@ def _rounded(model: Arm, uncertain: Arm, told: Iterable[CalibratedParameter]) ->
 
 def _parameter(posterior: Posterior, k: int) -> CalibratedParameter:
     estimation = posterior.estimation
-    free, u = estimation.parameters[k], float(posterior.point.u[k])
-    sigma = float(np.sqrt(posterior.covariance[k, k]))
+    free, u, centre = estimation.parameters[k], float(posterior.point.u[k]), float(estimation.centre[k])
     prior = float(np.sqrt(np.linalg.inv(estimation.precision())[k, k]))
     family = next((each for each in estimation.families if k in estimation.columns(each)), None)
-    # what the rest of a family tells of a member is not counted as identified by the data
-    own = prior if family is None else family.hierarchy.spread
-    found, guess = _range(free, u, sigma), first_guess(free.key, estimation.problem)
+    m, tau = centre, prior
+    if family is not None:  # what the rest of a family tells of a member is not identified by the data
+        hierarchy, columns = family.hierarchy, estimation.columns(family)
+        m, tau = hierarchy.shared_value(posterior.point.u[columns]), hierarchy.spread
+    found = interval_90(posterior, k, m, tau)
+    guess, sigma = first_guess(free.key, estimation.problem), (found.high - found.low) / (2 * NORMAL_90)
     return CalibratedParameter(
         free.key,
         free.kind,
-        found.value + guess,
+        free.value(u) + guess,
         sigma * free.slope(u),
-        found.low90 + guess,
-        found.high90 + guess,
+        free.value(found.low) + guess,
+        free.value(found.high) + guess,
         free.unit,
-        _range(free, float(estimation.centre[k]), prior),
-        float(np.clip(1.0 - (sigma / own) ** 2, 0.0, 1.0)),
+        _range(free, centre, prior),
+        float(np.clip(1.0 - (sigma / tau) ** 2, 0.0, 1.0)),
         "" if family is None else family.effect,
+        found.one_sided,
     )
 
 

@@ -57,7 +57,9 @@ def page(found: Calibration, drawings: list[Drawing]) -> str:
         families=[family_sentence(family) for family in found.families],
         gaps=gap_tables(found),
         known=[row(each) for each in found.parameters if each.determined],
-        unknown=[row(each) for each in found.parameters if not each.determined],
+        one_sided=[one_sided_words(each) for each in found.parameters if each.one_sided],
+        one_sided_title=ONE_SIDED,
+        unknown=[row(each) for each in found.parameters if not (each.determined or each.one_sided)],
         pairs=[pair_sentence(pair) for pair in found.confounded],
         drawn=drawings,
         provenance=provenance_of(found.provenance),
@@ -171,6 +173,15 @@ def row(each: CalibratedParameter) -> tuple[str, str, str, str, str]:
     return each.name, value, f"{low} to {high}", unit, f"{100 * each.identifiability:.0f} %"
 
 
+ONE_SIDED = "cannot be told from rigid, or from none: data alone set one end of the 90 % interval"
+
+
+def one_sided_words(each: CalibratedParameter) -> str:
+    """Return the end of an interval that data alone set."""
+    end = each.low90 if each.one_sided == "low" else each.high90
+    return f"{each.name} {'above' if each.one_sided == 'low' else 'below'} {with_unit(end, each.unit)}"
+
+
 def pair_sentence(pair: tuple[str, str, float]) -> str:
     """Return a pair of correlated parameters."""
     return f"{pair[0]} and {pair[1]}: {pair[2]:+.3f}"
@@ -179,7 +190,8 @@ def pair_sentence(pair: tuple[str, str, float]) -> str:
 def summary(found: Calibration) -> str:
     """Return all that matters on one screen."""
     known = [each for each in found.parameters if each.determined]
-    left = [each.name for each in found.parameters if not each.determined]
+    one_sided = [each for each in found.parameters if each.one_sided]
+    left = [each.name for each in found.parameters if not (each.determined or each.one_sided)]
     pairs = found.confounded[:12]  # calibration.json has all
     parts = [
         [headline(found), *wrapped(fit_sentence(found))],
@@ -187,6 +199,7 @@ def summary(found: Calibration) -> str:
         ["determined by the data, with 90 % intervals, and the share of the prior variance removed"]
         * bool(known)
         + _table([row(each) for each in known]),
+        [ONE_SIDED] * bool(one_sided) + [f"  {one_sided_words(each)}" for each in one_sided],
         wrapped(f"left near what was known before: {listed(left)}", "", "  ") if left else [],
         ["correlated"] * bool(pairs) + [f"  {pair_sentence(pair)}" for pair in pairs],
         [frame_words(each.name, (list(each.xyz), list(each.rpy))) for each in found.frames],
@@ -229,6 +242,7 @@ class ParameterEntry(Entry):
     prior: RangeEntry
     identifiability: Annotated[float, Field(ge=0, le=1)]
     family: str
+    one_sided: Literal["", "low", "high"] = ""
 
 
 class FamilyEntry(Entry):
