@@ -10,12 +10,12 @@ model.
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import product
 from types import MappingProxyType
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
+from flexarm.budget import current
 from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.comparison.initial_guess import initial_guesses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
@@ -48,7 +49,7 @@ from flexarm.diagnosis.residual_rows import (
     write_over_noise,
 )
 from flexarm.diagnosis.simulation_cache import SimulationCache
-from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import SensorEffects
 from flexarm.record import Record
 from flexarm.threads import at_once
@@ -97,7 +98,7 @@ class Problem:
     _kernels: dict[Any, list[tuple[Floats, Floats]]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.simulations = SimulationCache(self.records, self.step, self.alpha)
+        self.simulations = SimulationCache(self.records, self.step, self.alpha, self.arm.points)
         rows: list[Rows] = []
         pairs = [self.simulations.run(name, self.arm) for name in self.records]
         motions = all(record.kind == "motion" for record in self.records.values())
@@ -163,7 +164,10 @@ class Problem:
     def with_drives(self, records: Mapping[str, Record]) -> Problem:
         """Return the same rows against simulations along the drives of other records."""
         found = self.fresh()
-        found.records, found.simulations = records, SimulationCache(records, self.step, self.alpha)
+        found.records, found.simulations = (
+            records,
+            SimulationCache(records, self.step, self.alpha, self.arm.points),
+        )
         return found
 
     def with_noise(self, times: Floats) -> Problem:
@@ -220,23 +224,27 @@ class Problem:
         write_over_noise(found, self.rows_of(name) if rows is None else rows, of_signal)
 
     def prepare(self, arms: Iterable[Arm]) -> None:
-        """Compute residuals of many models, `jobs` runs at once; `residual` says later which failed."""
+        """Compute residuals of many models, side by side and `jobs` batches at once; `residual` says later
+        which failed. Those that the budget leaves no time for are left out.
+        """
         wanted = {key: arm for arm in arms if (key := _key(arm)) not in self._residuals}
-        if self.jobs == 1 or len(wanted) < 2:
+        if len(wanted) < 2:
             return
         found = {key: np.empty(len(self)) for key in wanted}
-        failed = set()
+        written: list[Any] = []
+        budget = current()
 
-        def put(run: tuple[Any, str]) -> None:
-            key, name = run
-            try:
-                self.write_residual(found[key], name, self.simulations.run(name, wanted[key]))
-            except (InvalidParameter, NotConverged):
-                failed.add(key)
+        def put(batch: tuple[str, list[Arm]]) -> None:
+            for arm, pair in () if budget.spent else self.simulations.runs(*batch):
+                with suppress(InvalidParameter):
+                    self.write_residual(found[_key(arm)], batch[0], pair)
+                    written.append(_key(arm))
 
-        at_once(put, product(wanted, self.records), self.jobs)
-        for key in (key for key in wanted if key not in failed):
-            self._keep(key, found[key])
+        some = {name: self.simulations.batches(name, wanted.values()) for name in self.records}
+        at_once(put, [(name, batch) for name, batches in some.items() for batch in batches], self.jobs)
+        for key, count in Counter(written).items():
+            if count == len(self.records):
+                self._keep(key, found[key])
 
     def correction(self, arm: Arm) -> Floats:
         """Return the discretisation error of (1): its limit for vanishing time steps h less (1), shape

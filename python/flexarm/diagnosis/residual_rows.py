@@ -235,7 +235,7 @@ def _point_slope(problem: Problem, arm: Arm, key: str) -> Floats:
     _, point, _, axis = key.split(".")
     found = np.zeros(len(problem))
     for name, record in problem.records.items():
-        pair = problem.simulations.run(name, arm)
+        pair = problem.simulations.run(name, arm, rotations=True)
         rows = [row for row in problem.rows_of(name) if record.signals[row.signal].point == point]
         run = pair.simulation
         i = run.points.index(point)

@@ -21,11 +21,13 @@ from types import MappingProxyType
 
 import numpy as np
 
+from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.budget import allows, until
 from flexarm.diagnosis.candidate import Candidate, value_of
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
+from flexarm.diagnosis.problem import KEPT_RESIDUALS
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.named_effects import Place, place_text
 from flexarm.simulation import Progress, reported
@@ -73,26 +75,34 @@ class Share:
 
 def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress = None) -> list[Probed]:
     """Simulate the probes of all candidates; those that cannot be simulated are left out."""
-    problem, arm = estimator.problem.with_step(LONGER * estimator.problem.step), estimator.arm
-    probed = []
+    problem, probed = estimator.problem.with_step(LONGER * estimator.problem.step), []
+    size = KEPT_RESIDUALS // 8  # candidates have a few probes each
     with until(SCREENED), reported(progress, "probing effects") as report:
         for k, candidate in enumerate(found):
             if not allows("all effects were screened"):
                 break
-            try:
+            if k % size == 0:
+                some = [_to_simulate(each, estimator) for each in found[k : k + size]]
+                problem.prepare(model for models in some for model in models)
+            with suppress(InvalidParameter, NotConverged):
                 moves = linear_response(candidate, estimator.nuisance.keys, estimator.jacobian)
-                if moves is None:
-                    there = candidate.base(arm)
-                    models = [there, *(there.with_effect(each) for each in candidate.probes)]
-                    problem.prepare(models)
-                    before, *after = [problem.residual(model) for model in models]
+                if moves is None and some[k % size]:
+                    before, *after = map(problem.residual, some[k % size])
                     moves = np.stack([r - before for r in after], axis=1)
-            except (InvalidParameter, NotConverged):
-                continue
-            probed.append(_seen(Probed(candidate, moves)))
+                if moves is not None:
+                    probed.append(_seen(Probed(candidate, moves)))
             if report is not None:
                 report((k + 1) / len(found))
     return probed
+
+
+def _to_simulate(candidate: Candidate, estimator: Estimator) -> list[Arm]:
+    """Return the model without a candidate and those with its probes; none if it is linear or invalid."""
+    with suppress(InvalidParameter):
+        if linear_response(candidate, estimator.nuisance.keys, estimator.jacobian) is None:
+            there = candidate.base(estimator.arm)
+            return [there, *(there.with_effect(each) for each in candidate.probes)]
+    return []
 
 
 def linear_response(candidate: Candidate, keys: Sequence[str], jacobian: Floats) -> Floats | None:

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arm import Arm
+from flexarm import _core
+from flexarm.arm import Arm, Point
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.arrays import Floats
-from flexarm.comparison.aligned_record import end_of_simulation, require_known_drive
+from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, end_of_simulation, require_known_drive
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses, with_turned
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
+from flexarm.diagnosis.moved_points import MovedPoints
 from flexarm.drive import Drive, JointDrive
 from flexarm.drive.lead_in import jerked
+from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record
 
 if TYPE_CHECKING:
@@ -33,12 +37,15 @@ In shorter steps a run is so much longer, and fewer are: as much as that, or one
 class SimulationCache:
     """Cached simulations of models in the motions and poses of some records.
 
-    `step` [s] and `alpha` [-] are of all simulations, `made` is their number so far.
+    `step` [s] and `alpha` [-] are of all simulations, `made` is their number so far, `beside` how many go
+    side by side, and `points` are those of the stated model.
     """
 
-    def __init__(self, records: Mapping[str, Record], step: float, alpha: float) -> None:
-        self.records, self.step, self.alpha = records, step, alpha
-        self.made = 0
+    def __init__(
+        self, records: Mapping[str, Record], step: float, alpha: float, points: Sequence[Point] = ()
+    ) -> None:
+        self.records, self.step, self.alpha, self.points = records, step, alpha, points
+        self.made, self.beside = 0, max(_core.lanes(), 1)
         self._kept = max(KEPT_RUNS, 2 * len(records))
         self._runs: OrderedDict[Any, SimulatedRecord] = OrderedDict()
         self._drives: dict[Any, Drive] = {}
@@ -50,9 +57,9 @@ class SimulationCache:
         found._kept = max(len(self.records), min(self._kept, int(self._kept * step / self.step)))
         return found
 
-    def run(self, name: str, arm: Arm) -> SimulatedRecord:
-        """Return the simulation of a record by a model."""
-        return self._run_of(name, self.records[name].applied_to(arm))
+    def run(self, name: str, arm: Arm, rotations: bool = False) -> SimulatedRecord:
+        """Return the simulation of a record by a model; with `rotations`, those of points are known."""
+        return self._run_of(name, self.records[name].applied_to(arm), rotations)
 
     def tilted(self, tilt: UncertainTilt, arm: Arm, turn: float) -> SimulatedRecord:
         """Return a run on a base that is turned further than its record states, by `turn` [rad]."""
@@ -63,25 +70,72 @@ class SimulationCache:
         stand = record.base.replace(tilt=there)
         return self._run_of(tilt.record, record.replace(base=stand).applied_to(arm))
 
-    def _run_of(self, name: str, carried: Arm) -> SimulatedRecord:
+    def batches(self, name: str, arms: Iterable[Arm]) -> list[list[Arm]]:
+        """Return valid models in batches for `runs`: alike, and of as many runs as go side by side."""
+        alike: dict[Any, dict[Any, list[Arm]]] = {}
+        for arm in arms:
+            with suppress(InvalidParameter):
+                key = self._key(name, self.records[name].applied_to(arm))
+                alike.setdefault(_structure(arm), {}).setdefault(key, []).append(arm)
+        found = []
+        for runs in (list(each.values()) for each in alike.values()):
+            for k in range(0, len(runs), self.beside):
+                found.append([arm for some in runs[k : k + self.beside] for arm in some])
+        return found
+
+    def runs(self, name: str, arms: Sequence[Arm]) -> Iterator[tuple[Arm, SimulatedRecord]]:
+        """Yield models with their simulations of a record, side by side where they fit; none that fails."""
+        carried = {arm: self.records[name].applied_to(arm) for arm in arms}
+        keys = {arm: self._key(name, each) for arm, each in carried.items()}
+        new = {keys[arm]: each for arm, each in carried.items() if (False, *keys[arm]) not in self._runs}
+        beside = self._side_by_side(name, new)
+        for arm, each in carried.items():
+            with suppress(InvalidParameter, NotConverged):
+                found = beside.get(keys[arm])
+                yield arm, replace(found, arm=each) if found is not None else self._run_of(name, each)
+
+    def _side_by_side(self, name: str, arms: Mapping[Any, Arm]) -> dict[Any, SimulatedRecord]:
+        """Return the runs of a record, by the key of their models, that fit side by side."""
+        from flexarm.simulation.side_by_side import side_by_side
+
+        record, found = self.records[name], {}
+        alike: dict[Any, dict[Any, MovedPoints]] = {}
+        if record.kind == "motion" and not rings_freely(record):
+            for key, arm in arms.items():
+                with suppress(InvalidParameter):
+                    moved = MovedPoints(arm, self.points or arm.points)
+                    alike.setdefault(tuple(self._options(name, arm).items()), {})[key] = moved
+        for options, some in alike.items():
+            pairs = [(each.at_nodes, self.drive(name, each.arm)) for each in some.values()]
+            runs = side_by_side(pairs, **dict(options)) if len(pairs) > 1 else [None]
+            for (key, each), run in zip(some.items(), runs, strict=True):
+                if run is not None:
+                    found[key] = pair_record(each.carried(run), record)
+        self.made += len(found)
+        return found
+
+    def _run_of(self, name: str, carried: Arm, rotations: bool = False) -> SimulatedRecord:
         """Return a run of what a record makes of a model."""
-        key = (name, *_mechanics(self.records[name], carried))
+        key = (rotations, *self._key(name, carried))
         run = self._runs.get(key)
         if run is None:
             self.made += 1
-            run = self._runs[key] = self._made(name, carried)
+            run = self._runs[key] = self._made(name, carried, rotations)
             while len(self._runs) > self._kept:
                 self._runs.popitem(last=False)
         return replace(run, arm=carried)
 
-    def _made(self, name: str, arm: Arm) -> SimulatedRecord:
+    def _key(self, name: str, carried: Arm) -> tuple[Any, ...]:
+        return (name, *_mechanics(self.records[name], carried))
+
+    def _made(self, name: str, arm: Arm, rotations: bool) -> SimulatedRecord:
         """Return a run."""
         record = self.records[name]
         if record.kind == "static":
             return _of_poses(record, record, arm)
         if rings_freely(record):
             return pair_record(simulate_free_vibration(arm, record, self.step), record, arm=arm)
-        return pair_record(self._along(self.drive(name, arm), name, arm), record, arm=arm)
+        return pair_record(self._along(self.drive(name, arm), name, arm, rotations), record, arm=arm)
 
     def jerked(self, start: InitialCondition, arm: Arm, height: float) -> SimulatedRecord:
         """Return the simulation of a record after a jerk of a drive."""
@@ -121,21 +175,24 @@ class SimulationCache:
         self.made += 1
         return pair_record(driven(run, changes), record, arm=carried)
 
-    def _along(self, drive: Drive, name: str, arm: Arm) -> Any:
+    def _along(self, drive: Drive, name: str, arm: Arm, rotations: bool = False) -> Any:
         """Return the simulation along a drive."""
         from flexarm.simulation import simulate
 
-        return simulate(arm, drive, **self._options(name, arm))
+        moved, options = MovedPoints(arm, self.points or arm.points), self._options(name, arm)
+        options["rotations"] |= rotations
+        return moved.carried(simulate(moved.at_nodes, drive, **options))
 
     def _options(self, name: str, arm: Arm) -> dict[str, Any]:
         """Return the options of a run of a record."""
         record = self.records[name]
+        seen = {signal.quantity for signal in record.signals.values()}
         return {
             "step": self.step,
             "alpha": self.alpha,
-            "rotations": True,
-            "forces": any(signal.quantity == "strain" for signal in record.signals.values()),
-            "consistent_forces": any(signal.quantity in FORCES for signal in record.signals.values()),
+            "rotations": not seen.isdisjoint(NEEDS_ROTATIONS),
+            "forces": "strain" in seen,
+            "consistent_forces": not seen.isdisjoint(FORCES),
             "end": end_of_simulation(record, arm, self.drive(name, arm).start),
         }
 
@@ -161,6 +218,11 @@ def _mechanics(record: Record, arm: Arm) -> tuple[Any, ...]:
     loop = (arm.motors, arm.controllers, _read_by_controllers(record, arm))
     parts = (arm.joints, arm.gears, arm.closures, arm.links, arm.payloads, arm.points)
     return (*parts, moving, _driving(record, arm), loop)
+
+
+def _structure(arm: Arm) -> frozenset[tuple[str, str]]:
+    """Return the effects that give a model other equations: runs side by side have the same ones."""
+    return frozenset((e.name, e.at) for e in arm.effects if e.place in ("joint", "base"))
 
 
 def _driving(record: Record, arm: Arm) -> tuple[Any, ...]:

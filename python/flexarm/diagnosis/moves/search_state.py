@@ -29,6 +29,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.screening import LONGER, Probed, linear_response
 from flexarm.diagnosis.settings import FIT
+from flexarm.errors import InvalidParameter
 from flexarm.named_effects import Place
 
 
@@ -45,20 +46,26 @@ def probed_through_springs(estimator: Estimator, probed: Sequence[Probed], fit: 
     if not sleeping:
         return list(probed)
     coarse = replace(estimator, problem=estimator.problem.with_step(LONGER * estimator.problem.step))
-    found = {id(each): probed_about(coarse, each, fit) for each in sleeping}
+    found = dict(zip(map(id, sleeping), probed_about(coarse, sleeping, fit), strict=True))
     return [found.get(id(each), each) for each in probed]
 
 
-def probed_about(estimator: Estimator, probed: Probed, fit: Fit) -> Probed:
-    """Return a candidate probed about a model; unchanged where that cannot be simulated."""
-    problem = estimator.problem
+def probed_about(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
+    """Return candidates probed about a model; one that cannot be simulated there is unchanged."""
+    problem, found = estimator.problem, list(probed)
     with suppress(*FIT_ERRORS):
         arm = estimator.with_effects(fit.members)
-        models = [arm.with_effect(probe) for probe in probed.candidate.probes]
-        problem.prepare([arm, *models])
+        models: dict[int, list[Arm]] = {}
+        for k, each in enumerate(probed):
+            with suppress(InvalidParameter):
+                models[k] = [arm.with_effect(probe) for probe in each.candidate.probes]
+        problem.prepare([arm, *(each for some in models.values() for each in some)])
         before = problem.residual(arm)
-        return replace(probed, moves=np.stack([problem.residual(each) - before for each in models], axis=1))
-    return probed
+        for k, some in models.items():
+            with suppress(*FIT_ERRORS):
+                moves = np.stack([problem.residual(each) - before for each in some], axis=1)
+                found[k] = replace(found[k], moves=moves)
+    return found
 
 
 def rescreened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
@@ -71,6 +78,7 @@ def rescreened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list
     there = {None, *fit.spots}
     found: list[Probed] = []
     smooth: dict[int, Probed] = {}
+    whole: list[int] = []
     for each in probed:
         candidate = each.candidate
         moves = linear_response(candidate, fit.nuisance.keys, fit.projection.jacobian)
@@ -80,10 +88,12 @@ def rescreened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list
             again = same_in_small_steps(candidate, [other.candidate for other in smooth.values()])
             small = candidate.effect.smooth and not candidate.effect.is_wave
             if again or candidate.needs is not None or not small:
-                each = probed_about(coarse, each, fit)
+                whole.append(len(found))
             else:
                 smooth[len(found)] = each
         found.append(each)
+    for k, each in zip(whole, probed_about(coarse, [found[k] for k in whole], fit), strict=True):
+        found[k] = each
     with suppress(*FIT_ERRORS):  # of the fit itself, in longer steps
         stepped = small_steps(estimator, [each.candidate for each in smooth.values()], fit)
         for k, steps in zip(smooth, stepped, strict=True):
