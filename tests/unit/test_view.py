@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from arms import TUBE, beam, fixed, hinge, point, rigid
+from arms import arm as arm_of
 from browser import needs_chromium, visit
 from matplotlib.text import Text
 
@@ -401,3 +402,27 @@ def test_what_a_notebook_gets_is_the_page_in_a_frame(tmp_path):
     page = visit(tmp_path / "cell.html", tmp_path / "profile", look)
     assert seen["inside"]
     assert not page.errors
+
+
+def test_a_mode_that_twists_is_named_and_turns_what_is_drawn():
+    """A shaft with a disc at its end: 1/2pi sqrt(GJ/(L I)) of the twist lies below its bending."""
+    disc = {"name": "disc", "link": "shaft", "position": [2, 0, 0], "mass": 5.0, "inertia": [20, 10, 10]}
+    arm = arm_of(
+        joints=[hinge("hinge", "shaft")],
+        links=[beam("shaft", [2, 0, 0], {"shape": "tube", "outer_diameter": 0.06, "thickness": 3e-3})],
+        payloads=[disc],
+        points=[point("tip", "shaft", [2, 0, 0])],
+    )
+    found = flexarm.modes(arm, count=2)
+    scene = of_modes(found)
+    assert "twist of shaft" in scene.clips[0].text
+    assert "bending of shaft" in scene.clips[1].text
+    bars = [skin for skin in scene.skins if " outrigger " in skin.name and skin.layer == "beams"]
+    for axis in (1, 2):  # as seen along z and along y
+        spans = [
+            [np.ptp(placed(skin, scene.clips[0].poses, frame)[:, axis]) for skin in bars] for frame in (0, 8)
+        ]
+        change = np.array(spans[1]) / spans[0]
+        assert change[0] == pytest.approx(1.0, abs=0.01)
+        assert abs(change[-1] - 1) > 0.2
+    assert found.plot(mode=1).get_title().endswith("twist of shaft")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -91,6 +91,19 @@ class Bodies:
             skin = body.on(bones[0], "rigid links", link.name, STYLE.body)
             yield replace(skin, flat=link.name in self.meshes)
             yield from self._triad(bones[0], link.name)
+
+    def outriggers(self, beams: Iterable[str]) -> Iterator[Skin]:
+        """Return a bar on every bone of beams, for a tube that twists looks as it did.
+
+        It lies between the axes across, so that its length changes in a picture from either side.
+        """
+        for link in (link for link in self.arm.links if isinstance(link, Beam) and link.name in set(beams)):
+            axis, half = np.array(link.end) / link.length, STYLE.frame * self.size
+            normal = _across(axis)[0]
+            end = half * (normal + np.cross(axis, normal))
+            bar = rod(-end, end, 0.4 * STYLE.stick * self.size)
+            for bone in self.skeleton.along[link.name]:
+                yield bar.on(bone, "beams", f"{link.name} outrigger {bone}", STYLE.beam)
 
     def _sticks(self, link: Link) -> Surface:
         """Return a rigid link as sticks from its frame to what it carries, and a ball where all is there."""

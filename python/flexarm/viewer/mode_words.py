@@ -5,17 +5,20 @@ Along the chain from the base to the place P that moves most, every joint and li
     u_P = sum_i [u_b + θ_b × (P - x_b)] - [u_a + θ_a × (P - x_a)]                                      (1)
 
 from the bone a before it to the bone b behind it. Its share is the size of its part along u_P, of the sum of
-all sizes.
+all sizes. A beam that twists moves its skin by its half width times the twist; if that is more than any bone
+moves, the mode is its twist.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from flexarm.arm.link import Beam
 from flexarm.arm.names import link_of
 from flexarm.arrays import Floats
 from flexarm.viewer.bodies import Bodies
 from flexarm.viewer.skeleton import Poses
+from flexarm.viewer.solids import half_widths
 
 
 def told(bodies: Bodies, rest: Poses, shapes: Floats) -> list[str]:
@@ -26,7 +29,20 @@ def told(bodies: Bodies, rest: Poses, shapes: Floats) -> list[str]:
     return [_told(bodies, rest, shape) for shape in shapes]
 
 
+def twisted(bodies: Bodies, rest: Poses, shape: Floats) -> str:
+    """Return the beam whose skin moves more by its twist than any bone of the arm moves; empty if none."""
+    skins = {"": float(np.linalg.norm(shape[:, :3], axis=1).max(initial=0.0))}
+    for link in (link for link in bodies.arm.links if isinstance(link, Beam)):
+        bones = bodies.skeleton.along[link.name]
+        first, last = bones[0], bones[-1]
+        twist = (shape[last, 3:] - shape[first, 3:]) @ rest.R[0, first] @ link.end / link.length
+        skins[link.name] = abs(float(twist)) * max(half_widths(link.section))
+    return max(skins, key=lambda name: skins[name])
+
+
 def _told(bodies: Bodies, rest: Poses, shape: Floats) -> str:
+    if link := twisted(bodies, rest, shape):
+        return f"twist of {link}"
     moved = np.linalg.norm(shape[:, :3], axis=1)
     if not moved.any():
         return "no bone moves"

@@ -68,7 +68,8 @@ def _one(scene: Scene, clip: int, ax: Axes | None, names: bool = True) -> Axes:
     axes = plt.subplots(figsize=(6.4, 5.2), layout="constrained")[1] if ax is None else ax
     shown = scene.clips[clip]
     moved = np.linalg.norm(shown.poses.x - shown.poses.x[:1], axis=-1).max(axis=1)
-    frame = int(np.argmax(moved))
+    turned = np.abs(shown.poses.R - shown.poses.R[:1]).max(axis=(1, 2, 3))
+    frame = int(np.argmax(moved / max(moved.max(), 1e-300) + turned))
     # An arm at rest is drawn in the plane in which its joints move it.
     moves = scene.clips if len(shown.time) == 1 else (shown,)
     first, second = _plane(np.concatenate([clip.poses.x for clip in moves]))

@@ -20,7 +20,7 @@ from flexarm.statics import Statics, static
 from flexarm.superelement import SuperElement
 from flexarm.viewer.bodies import LAYERS, Bodies, Meshes, gravity_at, part_skins, triad
 from flexarm.viewer.measured import Measured
-from flexarm.viewer.mode_words import told
+from flexarm.viewer.mode_words import told, twisted
 from flexarm.viewer.scene import STYLE, Clip, Label, Layer, Scene, nice
 from flexarm.viewer.skeleton import Poses, Skeleton, at_rest, from_quaternions
 from flexarm.viewer.solids import Skin, Surface, ball
@@ -103,10 +103,11 @@ def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
     clips = clips or [Clip("equilibrium", np.zeros(1), rest, "nothing can vibrate")]
     n = len(skeleton.bones)
     both = [_beside(clip, rest) for clip in clips]
-    ghost = [skin.shifted(n, "equilibrium", STYLE.ghost, 0.3) for skin in bodies.links()]
+    bars = list(bodies.outriggers({twisted(bodies, rest, shape) for shape in shapes}))
+    ghost = [skin.shifted(n, "equilibrium", STYLE.ghost, 0.3) for skin in (*bodies.links(), *bars)]
     notes = ("amplitudes are free: shapes are drawn so that they show", _angles(found.arm, found.drive_angle))
     layer = Layer("equilibrium", STYLE.ghost, "equilibrium")
-    return _scene(f"{found.arm.name}: modes", notes, bodies, both, ghost, [layer])
+    return _scene(f"{found.arm.name}: modes", notes, bodies, both, [*bars, *ghost], [layer])
 
 
 def moving_parts(found: Modes) -> list[str]:
