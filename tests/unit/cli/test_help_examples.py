@@ -1,5 +1,6 @@
 """Every command line that a page of help or of the documentation prints is one that the commands take."""
 
+import os
 import re
 import shlex
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 import typer
 
 from flexarm.cli.app import COMMANDS, app_for
+from flexarm.cli.run import run
 
 ROOT = Path(__file__).parents[3]
 PROGRAM = typer.main.get_command(app_for([]))
@@ -71,3 +73,29 @@ def test_a_line_that_no_command_takes_is_seen():
     [line] = examples("    flexarm check arm.toml --wight      what does it weigh")
     with pytest.raises(Exception, match="No such option: --wight"):
         parse(line)
+
+
+CHEAP = ("check", "static", "modes", "linearise", "simulate", "compare")
+
+
+@pytest.fixture(scope="module")
+def tryout(tmp_path_factory):
+    """The files of `flexarm example` under the names that help uses."""
+    folder = tmp_path_factory.mktemp("help")
+    assert run(["example", str(folder)]) == 0
+    (folder / "slow").rename(folder / "measured")
+    return folder
+
+
+@pytest.mark.parametrize("name", CHEAP)
+def test_examples_of_help_run_on_the_files_of_the_example(name, tryout, monkeypatch, capsys):
+    """Those whose files and joints the example has."""
+    monkeypatch.chdir(tryout)
+    done = 0
+    for command, *rest in examples(help_of(name)):
+        words = [word for word in rest if re.search(r"\.(toml|csv)$", word) or word == "measured"]
+        if command != name or not words or "shoulder=0.3" in rest or not all(map(os.path.exists, words)):
+            continue
+        assert run([command, *rest]) == 0, (command, *rest, capsys.readouterr().err)
+        done += 1
+    assert done
