@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from pytest import approx
 
-from flexarm import Record, Signal
+from flexarm import Arm, Record, Signal
 from flexarm.cli.run import run
 
 
@@ -248,6 +248,16 @@ def test_a_step_that_never_ends_is_refused(
     assert run(["simulate", str(model_file), *arguments]) == 2
     assert "--step: 1e-12 s would make 1.5e+12 steps; allowed are 2e+07" in capsys.readouterr().err
     assert not out.exists()
+
+
+def test_millimetres_of_a_joint_that_slides_on_the_command_line_are_a_warning(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lift = {"name": "lift", "type": "prismatic", "parent": "base", "child": "mast", "axis": [0, 0, 1]}
+    mast = {"name": "mast", "type": "rigid", "mass": 20.0}
+    Arm.from_dict({"joints": [lift], "links": [mast]}).to_toml(tmp_path / "arm.toml")
+    assert run(["static", str(tmp_path / "arm.toml"), "--joint", "lift=400", "--json"]) == 0
+    assert "--joint lift: 400 m are further than any arm reaches; lengths are in m" in capsys.readouterr().err
 
 
 def test_degrees_for_radians_on_the_command_line_are_a_warning(

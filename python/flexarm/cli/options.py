@@ -110,6 +110,7 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
     Raise InvalidFile if one is not NAME=NUMBER, names no moving joint, or names one twice.
     """
     from flexarm.arm.joint import shaft_ratio
+    from flexarm.arm.sizes import LONGEST
 
     joints = [joint.name for joint in arm.moving_joints]
     values: dict[str, float] = {}
@@ -129,6 +130,9 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
         turns = abs(values[name]) / (2 * math.pi)
         if arm.joint(name).type == "revolute" and turns > shaft_ratio(name, arm.gears):
             what = f"{values[name]:g} rad are {turns:.3g} turns; angles are in radians"
+            warn(Path("command line"), [Problem(f"--joint {name}", what)])
+        elif arm.joint(name).type == "prismatic" and abs(values[name]) > LONGEST:
+            what = f"{values[name]:g} m are further than any arm reaches; lengths are in m, not in mm"
             warn(Path("command line"), [Problem(f"--joint {name}", what)])
     return values
 
