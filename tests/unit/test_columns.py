@@ -62,7 +62,9 @@ def test_a_wrong_row_far_down_is_told_with_its_line(tmp_path, monkeypatch, row, 
 def test_a_byte_that_is_no_text_far_down_is_told_with_its_line(tmp_path):
     path = tmp_path / "run.csv"
     path.write_bytes(b"time_s,angle\n" + b"0,1\n" * 100_000 + b"\xff,1\n")
-    with pytest.raises(InvalidFile, match="line 100002: not a text in UTF-8: byte 0xff"):
+    with pytest.raises(
+        InvalidFile, match=r"line 100002: not a text in UTF-8: byte 0xff.*; `flexarm import` reads"
+    ):
         CsvFile(path).numbers(["time_s"])
 
 

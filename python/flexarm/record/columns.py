@@ -54,7 +54,9 @@ class CsvFile:
             return read_text(self._path)
         except InvalidFile as error:
             problem = error.problems[0]
-            raise InvalidFile(self.file, problem.where, problem.what) from None
+            coded = isinstance(error.__cause__, UnicodeDecodeError)
+            other = "; `flexarm import` reads other encodings" if coded else ""
+            raise InvalidFile(self.file, problem.where, f"{problem.what}{other}") from None
 
     def _open(self) -> TextIO:
         if self._text is not None:

@@ -31,7 +31,7 @@ def read_text(file: Path) -> str:
         line = error.object[: error.start].count(b"\n") + 1
         byte = error.object[error.start]
         what = f"not a text in UTF-8: byte 0x{byte:02x} at position {error.start}"
-        raise InvalidFile(file, f"line {line}", what) from None
+        raise InvalidFile(file, f"line {line}", what) from error
     except OSError as error:
         raise InvalidFile(file, "file", f"cannot be read: {error.strerror}") from None
 
