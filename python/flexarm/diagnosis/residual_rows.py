@@ -241,11 +241,10 @@ def _point_slope(problem: Problem, arm: Arm, key: str) -> Floats:
         i = run.points.index(point)
         move = np.zeros_like(run.position)
         move[:, i] = _turned(run.orientation[:, i], "xyz".index(axis))  # eq. (3)
-        ends = np.zeros((2, len(problem)))
-        for end, shift in zip(ends, (FIT.point_step, -FIT.point_step), strict=True):
-            shifted = replace(run, position=run.position + shift * move)
-            problem.write_residual(end, name, replace(pair, simulation=shifted), rows)
-        found += (ends[0] - ends[1]) / (2 * FIT.point_step)
+        shifted = replace(run, position=run.position + FIT.point_step * move)
+        after = problem.residual(arm).copy()
+        problem.write_residual(after, name, replace(pair, simulation=shifted), rows)
+        found += (after - problem.residual(arm)) / FIT.point_step  # positions are linear in the shift
     return found
 
 
