@@ -113,6 +113,7 @@ void bind_model(py::module_& m) {
       .value("prismatic", ClosureType::prismatic)
       .value("fixed", ClosureType::fixed)
       .value("point_on_line", ClosureType::point_on_line)
+      .value("point_on_beam", ClosureType::point_on_beam)
       .finalize();
   py::class_<Closure>(m, "Closure", "Closes a loop of the tree.")
       .def(py::init([](std::string name, ClosureType type, std::string a, std::string b, bool a_at_end,

@@ -34,6 +34,19 @@ void System::place_closures() {
       const Side a = side(closure.a, closure.a_at_end, closure.a_origin);
       const Side b = side(closure.b, closure.b_at_end, closure.b_origin);
       if (a.link == b.link) throw InvalidParameter("both ends are on one link, which closes no loop");
+      if (closure.type == ClosureType::point_on_beam) {
+        const LinkMesh* mesh = a.link < 0 ? nullptr : &meshes_[a.link];
+        if (mesh == nullptr || !mesh->is_beam() || closure.a_at_end || !(closure.a_origin == Frame{}))
+          throw InvalidParameter("a point slides along a whole beam: a must be one, without origin or end");
+        const joints::ClosureConstraint straight{ClosureType::point_on_line, a.node, a.X,   b.node, b.X,
+                                                 mesh->R_LS.col(0),          {},     reach_};
+        const auto first = beams_.begin() + mesh->first_element;
+        rigid_closures_.add(closure.name, straight);
+        closures_.add(closure.name, straight, BeamSlide({first, first + mesh->n_nodes() - 1}, b.node, b.X.x));
+        loop_ends_.emplace_back(a.link, b.link);
+        hinges_of_closures_.push_back(first_hinge);
+        continue;
+      }
       const auto constraint = [&](ClosureType type, int node, const Frame& X) {
         return joints::ClosureConstraint{type,  node, X, b.node, b.X, closure.axis, closure.second_axis,
                                          reach_};

@@ -1,5 +1,6 @@
 #include "flexarm/assembly/loop_closures.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -7,10 +8,12 @@
 
 namespace flexarm::assembly {
 
-void LoopClosures::add(const std::string& name, const ClosureConstraint& closure) {
+void LoopClosures::add(const std::string& name, const ClosureConstraint& closure,
+                       std::optional<BeamSlide> slide) {
   first_.push_back(conditions());
   names_.push_back(name);
   closures_.push_back(closure);
+  slides_.push_back(std::move(slide));
   const int m = conditions() + closure.size();
   P_ = MatrixXd::Identity(m, m);
 }
@@ -33,6 +36,10 @@ VectorXd LoopClosures::gap(const Frames& frames) const {
   VectorXd g(conditions());
   for (std::size_t k = 0; k < closures_.size(); ++k) {
     const ClosureConstraint& closure = closures_[k];
+    if (slides_[k]) {
+      g.segment<2>(first_[k]) = slides_[k]->gap(frames);
+      continue;
+    }
     g.segment(first_[k], closure.size()) =
         closure.gap(frame(frames, closure.node_a()), frame(frames, closure.node_b()));
   }
@@ -46,9 +53,21 @@ double LoopClosures::unmet(const Frames& frames) const {
 }
 
 void LoopClosures::check(const Frames& frames, double reach, double t) const {
+  char text[240];
+  for (std::size_t k = 0; k < closures_.size(); ++k) {
+    if (!slides_[k]) continue;
+    const geometry::Vector3d at = place_on_b(k, frames);
+    const auto beyond = [&](int node) { return frames[node].R.col(0).dot(at - frames[node].x); };
+    const double off =
+        std::max(-beyond(slides_[k]->nodes(0)[0]), beyond(slides_[k]->nodes(slides_[k]->size() - 1)[1]));
+    if (off <= 1e-7 * reach) continue;
+    std::snprintf(text, sizeof text,
+                  "t = %.6g s: the point of closure '%.80s' is %.3g m beyond the end of its beam", t,
+                  names_[k].c_str(), off);
+    throw NotConverged(text, t, 0, off);
+  }
   const double left = unmet(frames);
   if (left <= 1e-7 * reach) return;
-  char text[240];
   std::snprintf(text, sizeof text,
                 "t = %.6g s: the closures are %.2g m open in conditions that their loops should keep by "
                 "themselves: the loops lock here",
@@ -63,9 +82,16 @@ joints::Conditions LoopClosures::multipliers(std::size_t k, const Eigen::Ref<con
 void LoopClosures::add_forces(const Frames& frames, const Eigen::Ref<const VectorXd>& mu, VectorXd& r) const {
   for (std::size_t k = 0; k < closures_.size(); ++k) {
     const ClosureConstraint& closure = closures_[k];
+    const joints::Conditions lambda = multipliers(k, mu);
+    if (const auto& slide = slides_[k]) {
+      const Eigen::Matrix<double, 18, 1> f = slide->jacobian(frames).transpose() * lambda;
+      const std::array<int, 3> nodes = slide->nodes(slide->touched(frames));
+      for (int i = 0; i < 3; ++i)
+        if (nodes[i] >= 0) r.segment<6>(6 * nodes[i]) += f.segment<6>(6 * i);
+      continue;
+    }
     const int a = closure.node_a(), b = closure.node_b();
     const auto J = closure.jacobian(frame(frames, a), frame(frames, b));
-    const joints::Conditions lambda = multipliers(k, mu);
     if (a >= 0) r.segment<6>(6 * a) += J.a.transpose() * lambda;
     if (b >= 0) r.segment<6>(6 * b) += J.b.transpose() * lambda;
   }
@@ -79,6 +105,11 @@ VectorXd LoopClosures::acceleration(const Frames& frames, const VectorXd& v, con
   };
   for (std::size_t k = 0; k < closures_.size(); ++k) {
     const ClosureConstraint& closure = closures_[k];
+    if (const auto& slide = slides_[k]) {
+      c.segment<2>(first_[k]) =
+          slide->jacobian(frames) * slide->part(slide->touched(frames), v_dot) + slide->convective(frames, v);
+      continue;
+    }
     const int a = closure.node_a(), b = closure.node_b();
     const Frame &H_a = frame(frames, a), &H_b = frame(frames, b);
     const auto J = closure.jacobian(H_a, H_b);
@@ -91,6 +122,11 @@ VectorXd LoopClosures::acceleration(const Frames& frames, const VectorXd& v, con
 geometry::Vector6d LoopClosures::wrench_on_b(std::size_t k, const Frames& frames,
                                              const Eigen::Ref<const VectorXd>& mu) const {
   const ClosureConstraint& closure = closures_[k];
+  if (slides_[k]) {
+    geometry::Vector6d wrench = geometry::Vector6d::Zero();
+    wrench.head<3>() = slides_[k]->force_on_b(frames, multipliers(k, mu));
+    return wrench;
+  }
   return closure.wrench_on_b(frame(frames, closure.node_a()), frame(frames, closure.node_b()),
                              multipliers(k, mu));
 }

@@ -15,7 +15,7 @@ from flexarm.tables import Inconsistent, Name, Table, Vector3, value_in
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
-WITHOUT_AXIS = ("spherical", "fixed")
+WITHOUT_AXIS = ("spherical", "fixed", "point_on_beam")
 """Types that have no axis."""
 
 
@@ -31,9 +31,20 @@ class Closure(Table):
     name: Name = Field(description="name of the closure")
     """Name, used by results."""
     type: Literal[
-        "revolute", "spherical", "universal", "cylindrical", "prismatic", "fixed", "point_on_line"
-    ] = Field(description="revolute, spherical, universal, cylindrical, prismatic, fixed or point_on_line")
-    """Condition between the frames at a and b. The line of `point_on_line` is the axis at a."""
+        "revolute",
+        "spherical",
+        "universal",
+        "cylindrical",
+        "prismatic",
+        "fixed",
+        "point_on_line",
+        "point_on_beam",
+    ] = Field(
+        description="revolute, spherical, universal, cylindrical, prismatic, fixed, point_on_line or "
+        "point_on_beam"
+    )
+    """Condition between the frames at a and b. The line of `point_on_line` is the axis at a; along the beam a
+    of `point_on_beam` the origin at b slides, wherever the beam bends."""
     a: Place = Field(description='"base" or the name of a link')
     b: Place = Field(description='"base" or the name of a link')
     """The base or a link; `link:interface` on a super-element."""

@@ -159,8 +159,11 @@ class Bodies:
         )
 
     def _closure(self, closure: Closure) -> Iterator[Skin]:
-        bone = self.skeleton.bone_of(closure.a, closure.a_at == "end")
-        R, x = np.array(from_rpy(closure.a_origin.rpy)), np.array(closure.a_origin.xyz, dtype=float)
+        place, at, origin = closure.a, closure.a_at, closure.a_origin
+        if closure.type == "point_on_beam":
+            place, at, origin = closure.b, closure.b_at, closure.b_origin
+        bone = self.skeleton.bone_of(place, at == "end")
+        R, x = np.array(from_rpy(origin.rpy)), np.array(origin.xyz, dtype=float)
         radius = STYLE.joint * self.size
         if not np.any(closure.axis):
             shape = ball(radius).moved(R, x)

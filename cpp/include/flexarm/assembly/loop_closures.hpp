@@ -13,9 +13,11 @@
 /// without a part along N, hence the smallest: rigid links do not tell more. P = 1 where nothing repeats.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "flexarm/assembly/beam_slide.hpp"
 #include "flexarm/joints/closure_constraint.hpp"
 
 namespace flexarm::assembly {
@@ -29,7 +31,8 @@ class LoopClosures {
  public:
   using Frames = std::vector<Frame>;
 
-  void add(const std::string& name, const ClosureConstraint& closure);
+  /// @param slide takes the place of the closure's two conditions where a point slides along a beam.
+  void add(const std::string& name, const ClosureConstraint& closure, std::optional<BeamSlide> slide = {});
 
   bool empty() const { return closures_.empty(); }
   std::size_t size() const { return closures_.size(); }
@@ -86,6 +89,7 @@ class LoopClosures {
 
   std::vector<std::string> names_;
   std::vector<ClosureConstraint> closures_;
+  std::vector<std::optional<BeamSlide>> slides_;
   std::vector<int> first_;  // row of g
   MatrixXd P_;
 };
@@ -94,11 +98,6 @@ template <class Constrain, class Stiffen>
 void LoopClosures::emit(const Frames& frames, const Eigen::Ref<const VectorXd>& mu, Constrain&& constrain,
                         Stiffen&& stiffen) const {
   for (std::size_t k = 0; k < closures_.size(); ++k) {
-    const ClosureConstraint& closure = closures_[k];
-    const int a = closure.node_a(), b = closure.node_b();
-    const Frame &H_a = frame(frames, a), &H_b = frame(frames, b);
-    const auto J = closure.jacobian(H_a, H_b);
-    const auto K = closure.geometric_stiffness(H_a, H_b, multipliers(k, mu));
     const auto entries = [&](int node, const ClosureConstraint::Rows& of) {
       if (node < 0) return;
       for (int i = 0; i < this->rows(); ++i) {
@@ -112,6 +111,25 @@ void LoopClosures::emit(const Frames& frames, const Eigen::Ref<const VectorXd>& 
       for (int j = 0; j < 6; ++j)
         for (int i = 0; i < 6; ++i) stiffen(6 * row + i, 6 * column + j, of(i, j));
     };
+    if (const std::optional<BeamSlide>& slide = slides_[k]) {
+      const std::size_t touched = slide->touched(frames);
+      const BeamSlide::Rows J = slide->jacobian(frames);
+      const BeamSlide::Stiffness K = slide->geometric_stiffness(frames, multipliers(k, mu));
+      for (std::size_t e = 0; e < slide->size(); ++e) {  // zeros elsewhere: the point may slide there
+        const double here = e == touched ? 1 : 0;
+        const std::array<int, 3> nodes = slide->nodes(e);
+        for (int i = 0; i < 3; ++i) {
+          entries(nodes[i], here * J.middleCols<6>(6 * i));
+          for (int j = 0; j < 3; ++j) block(nodes[i], nodes[j], here * K.block<6, 6>(6 * i, 6 * j));
+        }
+      }
+      continue;
+    }
+    const ClosureConstraint& closure = closures_[k];
+    const int a = closure.node_a(), b = closure.node_b();
+    const Frame &H_a = frame(frames, a), &H_b = frame(frames, b);
+    const auto J = closure.jacobian(H_a, H_b);
+    const auto K = closure.geometric_stiffness(H_a, H_b, multipliers(k, mu));
     entries(a, J.a);
     entries(b, J.b);
     block(a, a, K.a_a);

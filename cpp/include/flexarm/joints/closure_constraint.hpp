@@ -37,7 +37,17 @@ using geometry::Matrix6d;
 using geometry::Vector3d;
 using geometry::Vector6d;
 
-enum class ClosureType { revolute, spherical, universal, cylindrical, prismatic, fixed, point_on_line };
+/// point_on_beam is a point_on_line while the beam is straight; `assembly/beam_slide.hpp` has its conditions.
+enum class ClosureType {
+  revolute,
+  spherical,
+  universal,
+  cylindrical,
+  prismatic,
+  fixed,
+  point_on_line,
+  point_on_beam
+};
 
 /// Up to six numbers, one a condition.
 using Conditions = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
