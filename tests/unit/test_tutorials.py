@@ -54,8 +54,9 @@ def test_a_page_that_prints_something_else_fails():
         follow("```pycon\n>>> 1 + 1\n3\n\n```\n", "wrong.md")
 
 
-def test_the_crane_of_the_page_is_the_example():
-    block = BLOCK.findall((DOCS / "tutorials" / "a_crane.md").read_text(encoding="utf-8"))[0][1]
-    example = (DOCS.parent / "examples" / "crane.toml").read_text(encoding="utf-8")
-    assert block == "# file: crane.toml\n" + example
-    assert len(example.splitlines()) == 20
+def test_the_cranes_of_the_page_are_the_examples():
+    page = (DOCS / "tutorials" / "a_crane.md").read_text(encoding="utf-8")
+    for name in ("crane.toml", "telescopic_crane.toml"):
+        example = (DOCS.parent / "examples" / name).read_text(encoding="utf-8")
+        assert f"```toml\n# file: {name}\n{example}```\n" in page
+    assert len((DOCS.parent / "examples" / "crane.toml").read_text(encoding="utf-8").splitlines()) == 20
