@@ -155,7 +155,7 @@ class SpringEffect(Effect):
             assert isinstance(probe, SpringEffect)
             key = next(key for key, k in probe.stiffnesses.items() if k != null[key])
             soft, nominal = 1.0 / probe.stiffnesses[key], flexibility(stated, key)[0]
-            found[key] = 1.0 / max(nominal + multiple * (soft - nominal), least * soft)
+            found[key] = 1.0 / max(nominal + multiple * (soft - nominal), least * soft, 1.0 / self.rigid)
         return {**found, **self._damped(min(found.values()))}
 
     def acting_as(

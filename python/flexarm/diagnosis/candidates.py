@@ -196,7 +196,7 @@ def _at_place(
     if kind.requires is not None:
         required = arm.effect(kind.requires, at)
         if required is None or required.inert:
-            needs = effect_class(kind.requires).typical(at, arm)
+            needs = effect_class(kind.requires).variants(at, arm, None)[0]
     there = arm if needs is None else arm.with_effect(needs)
     unsought = () if at in commanded(problem.records.values()) else kind.sought_of_commands
     forms: Sequence[Effect] = kind.variants(at, there, without)

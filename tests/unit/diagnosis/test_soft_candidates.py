@@ -23,7 +23,7 @@ def carousel():
     )
 
 
-def found(model, moved, quantity="joint_angle"):
+def found(model, moved, quantity="joint_angle", rhythm=()):
     """All candidates by place, of a model whose joints move along with a tracker at its tip."""
     drive = Drive.from_samples(TIME, {name: 0.4 * smooth_step(TIME) for name in moved})
     record = measure(simulate(model, drive), [tracker(rate_hz=50)], np.random.default_rng(0))
@@ -36,7 +36,7 @@ def found(model, moved, quantity="joint_angle"):
     }  # fmt: skip
     record = record.replace(signals={**told, **record.signals}, drive=tuple(told))
     places = {}
-    for each in candidates(Problem(model, {"run": record}), model, softer=(1.0, 30.0, 300.0)):
+    for each in candidates(Problem(model, {"run": record}), model, rhythm, softer=(1.0, 30.0, 300.0)):
         places.setdefault(each.place, []).append(each)
     return places
 
@@ -126,3 +126,22 @@ def test_a_bearing_is_one_spring_among_others():
     assert not JointTiltCompliance(at="turn", stiffness=1e5).inert
     assert carousel().replace(effects=()).with_effect(JointTiltCompliance(at="turn", stiffness=1e5))
     assert compliance("turn", 1.0)["name"] == "joint_compliance"
+
+
+def test_the_base_of_a_gantry_gives_about_x_and_y_also_in_small_steps():
+    """No joint turns, so that no base gives about a first axis; about the other axis it stays rigid."""
+    slide = {"name": "way", "type": "prismatic", "parent": "base", "child": "rod", "axis": [1, 0, 0]}
+    gantry = arm(
+        gravity=[0, 0, -G],
+        joints=[slide],
+        links=[rigid("rod", 5.0, com=(0, 0, -1))],
+        points=[point("tip", "rod", [0, 0, -1])],
+    )
+    places = found(gantry, ["way"], rhythm=[5.0])
+    base = places["base_compliance", "base"][0]
+    assert {each.needs for each in places.get(("external_vibration", "base"), ())} <= {base.effect, None}
+    for k, turning in enumerate(("x", "y")):
+        soft = base.nudged(k, 1e-3).stiffnesses
+        assert {key: value >= BaseCompliance.rigid for key, value in soft.items()} == {
+            key: not key.endswith(f".{turning}") for key in soft
+        }
