@@ -149,16 +149,16 @@ def alternatives_of(
         return []
     known = _known(best, {m.place for m in others}, tried)
     shares = screen(estimator, probed, fewer)
-    wanted = _promising(chosen, shares, fewer, estimator, open_gap)
+    wanted = _screened(chosen, shares, fewer, estimator, open_gap)
     if not open_gap:
         if out_of_step(chosen, shares, best, fewer, policy.halfway):
             same = {each.place: each for each in collinear(k, best, estimator, probed)}
             wanted = [*same.values(), *(each for each in wanted if each.place not in same)]
             known = {place: fit for place, fit in known.items() if place not in same}
         wanted += _near(known, wanted, best, problem)
-        wanted += _sticking(chosen, wanted, probed)
+        wanted += _hysteresis(chosen, wanted, probed)
         before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
-        wanted += _soft_elsewhere(known, wanted, best, before, probed, policy.halfway)
+        wanted += _springs_elsewhere(known, wanted, best, before, probed, policy.halfway)
     limit = criteria.early_stop([best], fewer, policy.faint)
     # the chosen model as it was tried along with its alternatives, before its refinement
     peer = next((f for f in reversed(tried) if set(f.places) == set(best.places)), best)
@@ -170,14 +170,14 @@ def alternatives_of(
             fit = known.get(candidate.place) or estimator.trial((candidate, *others), best, limit)
             if (alike := candidate.acting_as(chosen)) is not None:
                 fit = min(fit, estimator.trial((alike, *others), best, limit), key=lambda f: f.cost)
-            fit, behind = _caught_up(fit, best, peer, estimator, open_gap)
+            fit, behind = _refined_model(fit, best, peer, estimator, open_gap)
         except FIT_ERRORS:
             continue
-        found.append(_rival(candidate, fit, best, behind, problem, open_gap))
+        found.append(_alternative_model(candidate, fit, best, behind, problem, open_gap))
     return sorted(found, key=lambda alternative: alternative.behind)
 
 
-def _promising(
+def _screened(
     chosen: Candidate, screened: Sequence[Share], fewer: Fit, estimator: Estimator, open_gap: bool
 ) -> list[Candidate]:
     """Return effects that promise most of what the chosen one explains; given a gap, however little."""
@@ -188,7 +188,7 @@ def _promising(
     return [s.members[0] for s in sharp if open_gap or s.share >= policy.faint * sharp[0].share]
 
 
-def _rival(
+def _alternative_model(
     candidate: Candidate,
     fit: Fit,
     best: Fit,
@@ -238,7 +238,7 @@ def _near(
     ]
 
 
-def _soft_elsewhere(
+def _springs_elsewhere(
     known: Mapping[tuple[str, Place], Fit],
     wanted: Sequence[Candidate],
     best: Fit,
@@ -266,14 +266,14 @@ def _soft_elsewhere(
     return [each for each in alike if each is not None]
 
 
-def _sticking(spring: Candidate, wanted: Sequence[Candidate], probed: Sequence[Probed]) -> list[Candidate]:
+def _hysteresis(spring: Candidate, wanted: Sequence[Candidate], probed: Sequence[Probed]) -> list[Candidate]:
     """Return hysteresis in the place of a joint's spring: while it sticks it acts as one."""
     like = [p.candidate for p in probed if (p.candidate.effect.acts_as, p.candidate.at) == spring.place]
     there = like[:1] if like and like[0].place not in (candidate.place for candidate in wanted) else []
     return [each for each in there if each.acting_as(spring) is not None]
 
 
-def _caught_up(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_gap: bool) -> tuple[Fit, float]:
+def _refined_model(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_gap: bool) -> tuple[Fit, float]:
     """Return the model of an alternative after as many steps as could bring it near, and its ln Z behind.
 
     An alternative that was far behind is refined all the same if the chosen one once was as far behind

@@ -200,7 +200,7 @@ class Estimator:
         """
         solver = self.solver(tuple(members), nearby)
         z = solver.solve(solver.z_of(members), evaluations, tolerance, limit)
-        jacobian = solver.jacobian_at(z) if solver.given_up else solver.differences(z)
+        jacobian = solver.jacobian_at(z) if solver.terminated else solver.differences(z)
         return self._found(solver, z, solver.members_at(z), jacobian)
 
     def trial(self, members: Sequence[Candidate], nearby: Fit, limit: float = inf) -> Fit:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from flexarm.diagnosis.fit import Fit
 
 
-class _FarOff(Exception):
+class _Terminated(Exception):
     """Ends a fit that stays above its limit."""
 
 
@@ -46,7 +46,7 @@ class LeastSquares:
     """Rows of (1) and their derivatives, with all evaluations cached.
 
     A model that cannot be simulated counts as so far off that a step there is taken back. The first
-    derivatives are those of `nearby`, a fit with some of the effects. `given_up` is True after early
+    derivatives are those of `nearby`, a fit with some of the effects. `terminated` is True after early
     termination, above the limit.
     """
 
@@ -64,7 +64,7 @@ class LeastSquares:
         self._slopes: dict[bytes, Floats] = {}
         self._differences: dict[bytes, Floats] = {}
         self._last: Floats | None = None
-        self._least, self._limit, self.given_up = inf, inf, False
+        self._least, self._limit, self.terminated = inf, inf, False
 
     def solve(
         self,
@@ -97,8 +97,8 @@ class LeastSquares:
                 xtol=tolerance * finest,
                 gtol=1e-12,
             )
-        except _FarOff:
-            self.given_up = True
+        except _Terminated:
+            self.terminated = True
             assert self._last is not None
             return self._last
         return np.asarray(found.x)
@@ -132,18 +132,18 @@ class LeastSquares:
             [self.projection.project(self.jacobian_at(z)), np.diag(prior_rows(self.parameters, z)[1])]
         )
         if self._limit < inf:
-            self._see_whether_near(self.objective_rows(z), found)
+            self._terminate_if_far(self.objective_rows(z), found)
         if not allows("all fits had come to rest"):
-            raise _FarOff
+            raise _Terminated
         return found
 
-    def _see_whether_near(self, rows: Floats, jacobian: Floats) -> None:
+    def _terminate_if_far(self, rows: Floats, jacobian: Floats) -> None:
         least = float(rows @ rows)
         ahead = rows + jacobian @ np.linalg.lstsq(jacobian, -rows, rcond=None)[0]
         falls = max(self._least - least, least - float(ahead @ ahead))  # the first fall is not known: inf
         self._least = least
         if least - FIT.further_fall * falls > self._limit:
-            raise _FarOff
+            raise _Terminated
 
     def jacobian_at(self, z: Floats) -> Floats:
         """Return derivatives of the residuals by z, eq. (2) where that is enough."""
@@ -156,7 +156,7 @@ class LeastSquares:
 
     def _at_start(self, z: Floats) -> Floats | None:
         """Return the first derivatives, of the model nearby where it has some; None where it has none."""
-        taken = self._taken_over(z)
+        taken = self._reused(z)
         if not taken:
             return None
         if (exact := self._exact(z)) is not None:
@@ -165,7 +165,7 @@ class LeastSquares:
         columns = taken | dict(zip(fresh, self._columns(z, fresh).T, strict=True))
         return np.stack([columns[k] for k in range(len(z))], axis=1)
 
-    def _taken_over(self, z: Floats) -> dict[int, Floats]:
+    def _reused(self, z: Floats) -> dict[int, Floats]:
         """Return derivatives by parameters that are the same, or nearly, in the model nearby."""
         if self.nearby is None:
             return {}

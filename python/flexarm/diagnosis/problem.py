@@ -234,14 +234,14 @@ class Problem:
         written: list[Any] = []
         budget = current()
 
-        def put(batch: tuple[str, list[Arm]]) -> None:
+        def compute(batch: tuple[str, list[Arm]]) -> None:
             for arm, pair in () if budget.spent else self.simulations.runs(*batch):
                 with suppress(InvalidParameter):
                     self.write_residual(found[_key(arm)], batch[0], pair)
                     written.append(_key(arm))
 
         some = {name: self.simulations.batches(name, wanted.values()) for name in self.records}
-        at_once(put, [(name, batch) for name, batches in some.items() for batch in batches], self.jobs)
+        at_once(compute, [(name, batch) for name, batches in some.items() for batch in batches], self.jobs)
         for key, count in Counter(written).items():
             if count == len(self.records):
                 self._keep(key, found[key])

@@ -191,7 +191,7 @@ def refined_while_better(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     """Return a fit refined while its cost falls, and its estimator."""
     best, there, idle = fit, about, 0
     with suppress(*FIT_ERRORS):
-        while idle < FIT.idle_rounds and not (_quiet(best, about) or current().spent):
+        while idle < FIT.idle_rounds and not (_is_below_noise(best, about) or current().spent):
             ahead, at = refinement_step(best, there, anew=False)
             fell = objective(best) - objective(ahead)
             if fell < FIT.least_fall * sigma_squared(best):
@@ -201,7 +201,7 @@ def refined_while_better(fit: Fit, about: Estimator) -> tuple[Fit, Estimator]:
     return best, there
 
 
-def _quiet(fit: Fit, about: Estimator) -> bool:
+def _is_below_noise(fit: Fit, about: Estimator) -> bool:
     """Return True if the residual is well below the noise, without prior-data conflict."""
     left, policy = above_noise(fit.projected, about.problem, fit.non_smooth), about.problem.policy
     return max(left.values()) < FIT.quiet and conflict(fit, policy) < policy.conflict

@@ -197,13 +197,13 @@ def static_jacobian(problem: Problem, arm: Arm, keys: Sequence[str]) -> Floats |
     found = np.empty((len(problem), len(keys)))
     try:
         for name in records:
-            _put_pose_slopes(found, problem, arm, name, list(keys))
+            _write_pose_slopes(found, problem, arm, name, list(keys))
     except InvalidParameter:
         return None
     return found
 
 
-def _put_pose_slopes(found: Floats, problem: Problem, arm: Arm, name: str, keys: list[str]) -> None:
+def _write_pose_slopes(found: Floats, problem: Problem, arm: Arm, name: str, keys: list[str]) -> None:
     record, placement = problem.records[name], problem.placement[name]
     carried = record.applied_to(arm)
     effects = (key.split(".")[1:3] for key in keys if key.startswith("effects."))

@@ -19,11 +19,11 @@ from flexarm.report.files import Drawing, drawn, sheet, write_files
 from flexarm.report.gap_figures import by_band, gaps_along, waterfall
 from flexarm.report.report_file import provenance_of
 from flexarm.report.sentences import (
+    alternatives_sentence,
     gap_tables,
     headline,
     hold_out_sentence,
     remarks_beside,
-    rivals_sentence,
     stated_sentence,
     unpredicted_sentence,
     verdict_sentence,
@@ -152,7 +152,7 @@ def _head(d: Diagnosis) -> Iterator[str]:
         for size in effect.parameters:
             unit = "" if size.unit in ("", "-", "1") else f" {size.unit}"
             yield f"    {size.name} = {size.value:.6g}{unit}, {size.low90:.6g} to {size.high90:.6g}"
-        if rivals := rivals_sentence(effect):
+        if rivals := alternatives_sentence(effect):
             yield f"    {rivals}"
     if changed:
         yield "refined within the stated uncertainty, with 90 % intervals:"

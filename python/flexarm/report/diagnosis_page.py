@@ -20,7 +20,7 @@ from flexarm.report.sentences import (
     headline,
     hold_out_sentence,
     remarks_beside,
-    rivals,
+    split_alternatives,
     stated_sentence,
     unpredicted_sentence,
     verdict_sentence,
@@ -131,7 +131,7 @@ def _rotation_rows(d: Diagnosis) -> Iterator[Row]:
 
 
 def _effect(d: Diagnosis, effect: NamedEffect) -> Row:
-    near, far = rivals(effect)
+    near, far = split_alternatives(effect)
     return {
         "title": place_words(effect.name, effect.at),
         "what": effect_law(effect.name),

@@ -131,13 +131,13 @@ def moved_sentence(diagnosis: Diagnosis) -> str:
 def named(effect: NamedEffect) -> str:
     """Return an effect with place, probability and alternatives."""
     text = f"{place_words(effect.name, effect.at)} (probability {probability(effect.probability)})"
-    rivals = rivals_sentence(effect)
+    rivals = alternatives_sentence(effect)
     return f"{text}, {rivals}" if rivals else text
 
 
-def rivals_sentence(effect: NamedEffect) -> str:
+def alternatives_sentence(effect: NamedEffect) -> str:
     """Return the alternatives of an effect in a clause; empty without any."""
-    near, far = ([place_words(other.name, other.at) for other in each] for each in rivals(effect))
+    near, far = ([place_words(other.name, other.at) for other in each] for each in split_alternatives(effect))
     found = [f"which the data cannot tell from {listed(near, 'or')}"] if near else []
     found += [f"where {listed(far, 'or')} {FITS_TOO}"] if far else []
     return ", and ".join(found)
@@ -146,7 +146,7 @@ def rivals_sentence(effect: NamedEffect) -> str:
 FITS_TOO = "would fit as well, but with values that few machines have"
 
 
-def rivals(effect: NamedEffect) -> tuple[list[Alternative], list[Alternative]]:
+def split_alternatives(effect: NamedEffect) -> tuple[list[Alternative], list[Alternative]]:
     """Return alternatives at most 20 times less probable, and implausible ones that fit as well."""
     near = [other for other in effect.alternatives if 20 * other.probability >= effect.probability]
     return near, [other for other in effect.alternatives if other not in near]

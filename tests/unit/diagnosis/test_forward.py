@@ -291,7 +291,7 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     monkeypatch.setattr(promising, "slow_part", lambda problem: len)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "rescreened_at_size", lambda estimator, shares, best: shares)
-    monkeypatch.setattr(promising, "_from_other_gaps", lambda *_: [])
+    monkeypatch.setattr(promising, "_multi_started", lambda *_: [])
     monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
@@ -305,7 +305,7 @@ def test_what_promises_less_than_would_be_worth_a_name_is_not_fitted_even_then(m
     monkeypatch.setattr(promising, "screen", lambda *_: shares)
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "rescreened_at_size", lambda estimator, shares, best: shares)
-    wanted, others = promising._promising(
+    wanted, others = promising._screened(
         SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False
     )
     assert len(wanted) == 6
@@ -321,9 +321,9 @@ def test_laws_are_looked_at_again_at_the_ends_of_what_is_plausible(monkeypatch, 
     monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(promising, "rescreened_at_size", lambda estimator, shares, best: shares)
     monkeypatch.setattr(promising, "_at_ends", lambda *_: far)
-    wanted, _ = promising._promising(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=True)
+    wanted, _ = promising._screened(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=True)
     assert wanted[0].members == (first,)
-    wanted, _ = promising._promising(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False)
+    wanted, _ = promising._screened(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False)
     assert wanted[0].members == ("near",)  # what is left is noise, of which nothing explains half
 
 

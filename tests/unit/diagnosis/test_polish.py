@@ -36,7 +36,7 @@ def path(monkeypatch):
     monkeypatch.setattr(polish, "objective", lambda one: one.objective)
     monkeypatch.setattr(polish, "predicted_decrease", lambda one: 0.0)
     monkeypatch.setattr(polish, "sigma_squared", lambda one: 1.0)
-    monkeypatch.setattr(polish, "_quiet", lambda one, about: False)
+    monkeypatch.setattr(polish, "_is_below_noise", lambda one, about: False)
     monkeypatch.setattr(polish, "is_non_smooth", lambda arm: True)
     return objectives
 

@@ -170,8 +170,8 @@ def test_a_rival_is_taken_further_if_the_chosen_one_was_as_far_behind(monkeypatc
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, first = (Made("gear_ratio", 1.0, 1.0, evidence) for evidence in (100.0, 41.0))
     alternative = Made("encoder_scale", 1.0, 1.0, 40.0)
-    assert alternatives._caught_up(alternative, best, first, estimator, False)[0].name == "settled"
-    assert alternatives._caught_up(alternative, best, best, estimator, False) == (alternative, 60.0)
+    assert alternatives._refined_model(alternative, best, first, estimator, False)[0].name == "settled"
+    assert alternatives._refined_model(alternative, best, best, estimator, False) == (alternative, 60.0)
 
 
 @pytest.mark.parametrize("falls, steps", [(0.4, 0), (4.0, 1), (12.0, 1)])
@@ -187,7 +187,7 @@ def test_a_rival_takes_steps_that_could_bring_it_near(monkeypatch, falls, steps)
     about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 95.0))
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, alternative = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 95.0)
-    alternatives._caught_up(alternative, best, best, estimator, False)
+    alternatives._refined_model(alternative, best, best, estimator, False)
     assert len(taken) == steps
 
 
@@ -198,7 +198,7 @@ def test_a_rival_that_no_step_could_bring_near_takes_none(monkeypatch):
     about = SimpleNamespace(linearised=lambda members: Made("evaluated", 1.0, 1.0, 80.0))
     estimator = SimpleNamespace(problem=OBSERVED, about=lambda fit: about)
     best, alternative = Made("gear_ratio", 1.0, 1.0, 100.0), Made("encoder_scale", 1.0, 1.0, 80.0)
-    assert alternatives._caught_up(alternative, best, best, estimator, False)[1] == 20.0
+    assert alternatives._refined_model(alternative, best, best, estimator, False)[1] == 20.0
 
 
 @pytest.mark.parametrize("gap, fitted", [(False, ["near"]), (True, ["near", "far"])], ids=["none", "a gap"])
@@ -208,7 +208,7 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     shares = [
         SimpleNamespace(members=made[name].members, share=s) for name, s in (("near", 0.9), ("far", 0.09))
     ]
-    for name in ("_near", "_sticking", "_soft_elsewhere"):
+    for name in ("_near", "_hysteresis", "_springs_elsewhere"):
         monkeypatch.setattr(alternatives, name, lambda *_: [])
     monkeypatch.setattr(alternatives, "screen", lambda *_: shares)
     monkeypatch.setattr(alternatives, "out_of_step", lambda *_: False)
@@ -217,7 +217,7 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
     monkeypatch.setattr(alternatives, "predicts_better", lambda *_: False)
     monkeypatch.setattr(alternatives, "log_likelihood_ratio", lambda *_: 0.0)
-    monkeypatch.setattr(alternatives, "_caught_up", lambda fit, *_: (fit, 9.0))
+    monkeypatch.setattr(alternatives, "_refined_model", lambda fit, *_: (fit, 9.0))
     nothing = SimpleNamespace(members=(), places=(), cost=9.0)
     estimator = SimpleNamespace(
         problem=OBSERVED, fit=lambda _: nothing, trial=lambda m, *_: made[m[0].place[0]]

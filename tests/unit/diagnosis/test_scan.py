@@ -70,6 +70,6 @@ def test_a_model_without_a_gap_is_not_scanned():
 def test_the_best_model_with_a_gap_is_scanned():
     """Where all leave something."""
     fits = [Estimator().fit((backlash(gap),)) for gap in (1.2e-4, 1.5e-4)]
-    [again] = promising._from_other_gaps(Estimator(), fits)
+    [again] = promising._multi_started(Estimator(), fits)
     assert again.cost < min(fit.cost for fit in fits)
-    assert promising._from_other_gaps(Estimator(), []) == []
+    assert promising._multi_started(Estimator(), []) == []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from arms import crane
 
-from flexarm.diagnosis.alternatives import _soft_elsewhere
+from flexarm.diagnosis.alternatives import _springs_elsewhere
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.screening import Probed
 from flexarm.effects import BaseCompliance, JointCompliance, JointHysteresis
@@ -53,10 +53,10 @@ def test_where_one_spring_helps_the_others_are_rivals_as_soft_as_that(left, trie
     fit = SimpleNamespace(cost=left, members=(soft,))
     shakes = SimpleNamespace(cost=10.0, members=(SimpleNamespace(place=("external_vibration", "base")),))
     probed = [Probed(each, np.empty((0, 0))) for each in (soft, waist, base)]
-    found = _soft_elsewhere({soft.place: fit}, [waist], shakes, 100.0, probed, 0.5)
+    found = _springs_elsewhere({soft.place: fit}, [waist], shakes, 100.0, probed, 0.5)
     assert [each.at for each in found] == tried
     assert all(each.effect == base.acting_as(soft).effect for each in found)
-    assert _soft_elsewhere({}, [waist], shakes, 100.0, probed, 0.5) == []
+    assert _springs_elsewhere({}, [waist], shakes, 100.0, probed, 0.5) == []
 
 
 def test_the_sum_bends_an_arm_alike():

@@ -113,7 +113,7 @@ class _Next:
             added = (u for u in nominal(arm, there.records) if u.key.startswith("points."))
             each = (*known, *(u for u in added if u.key not in keys))
             jacobian = there.jacobian(arm, [u.key for u in each])
-            models = [_put(arm, choice, alternative.fit) for _, alternative in pairs]
+            models = [_model_of(arm, choice, alternative.fit) for _, alternative in pairs]
             apart = [there.residual(model) - best for model in models]
             moves = [
                 _derivatives(there, arm, choice, alternative.fit, best + d)
@@ -125,7 +125,7 @@ class _Next:
         return cls(_Rows(each, jacobian, apart, moves), signals)
 
 
-def _put(arm: Arm, choice: Choice, fit: Fit, members: Sequence[Candidate] | None = None) -> Arm:
+def _model_of(arm: Arm, choice: Choice, fit: Fit, members: Sequence[Candidate] | None = None) -> Arm:
     """Return a fitted model with the points and nuisance parameters of `arm`."""
     found = choice.estimator.with_effects(fit.members if members is None else members)
     return found.replace(points=arm.points, uncertainty=arm.uncertainty)
@@ -142,7 +142,7 @@ def _derivatives(problem: Problem, arm: Arm, choice: Choice, fit: Fit, here: Flo
             {parameter.name: parameter.value(float(z) + step)}
         )
         try:
-            columns.append((problem.residual(_put(arm, choice, fit, members)) - here) / step)
+            columns.append((problem.residual(_model_of(arm, choice, fit, members)) - here) / step)
         except (InvalidParameter, NotConverged):
             columns.append(np.zeros_like(here))
     return np.stack(columns, axis=1) if columns else np.empty((len(here), 0))
@@ -200,14 +200,14 @@ def next_experiment(choice: Choice, problem: Problem, unexplained: bool = False)
             f"do not part {_words(choice, pairs)}; what that would gain has not been computed."
         )
     name, record = next(iter(motions.items()))
-    found = _promising(gains(choice, problem, name, record, pairs))
+    found = _worthwhile(gains(choice, problem, name, record, pairs))
     if not found:
         return NextExperiment()
     addition, gain = max(found, key=lambda pair: pair[1])
     return NextExperiment(_sentence(choice, name, addition, gain, pairs), gain, addition.minutes)
 
 
-def _promising(gains: Iterator[tuple[Addition, list[float]]]) -> list[tuple[Addition, float]]:
+def _worthwhile(gains: Iterator[tuple[Addition, list[float]]]) -> list[tuple[Addition, float]]:
     """Additions of the least cost at which one promises enough, else all; dearer ones are not simulated."""
     found: list[tuple[Addition, float]] = []
     for _, alike in groupby(gains, key=lambda pair: pair[0].minutes):

@@ -76,21 +76,21 @@ def fit_singles(
     """
     policy = criteria.policy
     at_ends = not found or not criteria.adequate(best)
-    wanted, others = _promising(estimator, probed, best, places, at_ends)
+    wanted, others = _screened(estimator, probed, best, places, at_ends)
     more = fitted(estimator, wanted, best, criteria)
     if criteria.all_leave_gaps([*found, *more]) and policy.allows("low_pass"):
         slow = screen(estimator, probed, best, seen=slow_part(estimator.problem))
-        slower = [s for s in one_variant(slow, policy.more_proposals) if not _there(s, best, more)]
+        slower = [s for s in one_variant(slow, policy.more_proposals) if not _is_fitted(s, best, more)]
         more += fitted(estimator, slower, best, criteria, found=more)
-    others = [s for s in others if not (best.members or _there(s, best, more))]
+    others = [s for s in others if not (best.members or _is_fitted(s, best, more))]
     if others and criteria.all_leave_gaps([*found, *more]) and policy.allows("second_rank"):
         more += fitted(estimator, others, best, criteria, found=more)
     if criteria.all_leave_gaps([*found, *more]):
-        more += _from_other_gaps(estimator, more)
+        more += _multi_started(estimator, more)
     return more
 
 
-def _from_other_gaps(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
+def _multi_started(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
     """Return the best model with several minima refitted from a better start, if there is one."""
     bouncing = [f for f in found if any(member.effect.multistart for member in f.members)]
     with suppress(*FIT_ERRORS):
@@ -118,7 +118,7 @@ def fit_sets(estimator: Estimator, state: SearchState, smaller: Fit, size: int) 
     criteria, start, probed = state.criteria, state.start, state.probed
     policy = criteria.policy
     shares = [s for s in screen_sets(estimator, probed, start, size) if s.share > policy.least_reduction]
-    ahead = size == 2 or _leads(shares, smaller, policy.alike)
+    ahead = size == 2 or _exceeds_extensions(shares, smaller, policy.alike)
     most, wanted = policy.proposals // 2, one_variant(shares, 2 * policy.proposals) if ahead else []
     found = fitted(estimator, wanted, start, criteria, most)
     if size == 2 and criteria.all_leave_gaps(found) and policy.allows("low_pass"):
@@ -127,7 +127,7 @@ def fit_sets(estimator: Estimator, state: SearchState, smaller: Fit, size: int) 
     return found
 
 
-def _there(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
+def _is_fitted(share: Share, best: Fit, found: Sequence[Fit]) -> bool:
     """Return True if the best model with these effects added has been fitted."""
     return {*best.places, *share.places} in (set(f.places) for f in found)
 
@@ -154,7 +154,7 @@ def fitted(
             break
         near = criteria.early_stop([*before, *found], best, criteria.policy.halfway)
         try:
-            members = (*map(_relaxed, best.members), *share.members)
+            members = (*map(_with_typical_damping, best.members), *share.members)
             found.append(estimator.trial(members, best, near))
         except FIT_ERRORS:
             continue
@@ -169,7 +169,7 @@ def one_variant(shares: Sequence[Share], most: int) -> list[Share]:
     return list(found.values())[:most]
 
 
-def _promising(
+def _screened(
     estimator: Estimator, probed: Sequence[Probed], best: Fit, places: Mapping[str, str], at_ends: bool
 ) -> tuple[list[Share], list[Share]]:
     """Return single candidates: those that explain most, and others.
@@ -206,7 +206,7 @@ def _at_ends(estimator: Estimator, probed: Sequence[Probed], best: Fit) -> list[
     return found
 
 
-def _leads(shares: Sequence[Share], smaller: Fit, alike: float) -> bool:
+def _exceeds_extensions(shares: Sequence[Share], smaller: Fit, alike: float) -> bool:
     """Return True if the best set explains more than any extension of a smaller one."""
     reached = max(
         (s.share for s in shares if set(smaller.places) <= {m.place for m in s.members}), default=0.0
@@ -214,7 +214,7 @@ def _leads(shares: Sequence[Share], smaller: Fit, alike: float) -> bool:
     return bool(shares) and 1.0 - shares[0].share < (1 - alike) * (1.0 - reached)
 
 
-def _relaxed(member: Candidate) -> Candidate:
+def _with_typical_damping(member: Candidate) -> Candidate:
     """Return a spring with a typical damping, as its own may have compensated for the added effect."""
     if not isinstance(member.effect, SpringEffect) or "damping" not in member.free:
         return member
