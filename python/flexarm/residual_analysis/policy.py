@@ -44,6 +44,12 @@ class ResidualPolicy:
     """Share of the greatest rate, or of a drive's range, below which a joint counts as at rest [-]."""
     noise_ratio: float = 1.5
     """Factor between stated and estimated noise from which they contradict each other [-]."""
+    decay_periods: float = 3.0
+    """Periods of a segment of a free decay [1]."""
+    decay_segments: int = 3
+    """Least segments [1] that show a change of frequency or damping."""
+    decay_samples: int = 8
+    """Least samples in a period [1]."""
     decay_amplitude: float = 15.0
     """Least amplitude of a decay segment over its standard deviation [-]: zeta is then known to 0.01."""
     decay_sigmas: float = 3.0

@@ -192,14 +192,6 @@ def _burst(time: Floats, record: NDArray[np.intp], squares: Floats, k: int) -> t
     return float(at[best]), float(at[ends[best] - 1])
 
 
-PERIODS = 3.0
-"""Periods of a segment that (2) is fitted to."""
-SEGMENTS = 3
-"""Least segments for a change of frequency and damping."""
-SAMPLES = 8
-"""Least number of samples in a period."""
-
-
 @dataclass(frozen=True)
 class DecaySegment:
     """A few periods of a free decay."""
@@ -280,12 +272,12 @@ def free_decays(pairs: Mapping[str, AlignedRecord]) -> list[FreeDecay]:
         since = _at_rest_since(pair)
         for signal in pair.simulated.evidence.values():
             rows = (signal.time > since) & np.isfinite(signal.values).all(axis=1)
-            if np.count_nonzero(rows) < SEGMENTS * PERIODS * SAMPLES:
+            if np.count_nonzero(rows) < POLICY.decay_segments * POLICY.decay_periods * POLICY.decay_samples:
                 continue
             values = signal.values[rows]
             strongest = values[:, int(np.argmax(np.var(values, axis=0)))]
             pieces = tuple(decay_segments(signal.time[rows], strongest))
-            if len(pieces) >= SEGMENTS:
+            if len(pieces) >= POLICY.decay_segments:
                 found.append(FreeDecay(name, signal.name, signal.unit, pieces))
     return found
 
@@ -307,17 +299,17 @@ def describe_free_decays(found: Sequence[FreeDecay]) -> str:
 def decay_segments(time: Floats, values: Floats) -> Iterator[DecaySegment]:
     """Yield the segments of a vibration until noise hides it; none if it has too few periods or samples."""
     trend = np.polyval(np.polyfit(time - time[0], values, 1), time - time[0])
-    lowest = SEGMENTS * PERIODS / float(time[-1] - time[0])
-    highest = 1 / float(np.median(np.diff(time))) / SAMPLES
+    lowest = POLICY.decay_segments * POLICY.decay_periods / float(time[-1] - time[0])
+    highest = 1 / float(np.median(np.diff(time))) / POLICY.decay_samples
     if not np.any(values - trend) or lowest >= highest:
         return
     frequencies, powers = periodogram(time, values - trend, highest=highest)
     inside = frequencies >= lowest
     start, guess = float(time[0]), float(frequencies[inside][np.argmax(powers[inside])])
     while True:
-        end = start + PERIODS / guess
+        end = start + POLICY.decay_periods / guess
         rows = (time >= start) & (time < end)
-        if time[-1] < end or np.count_nonzero(rows) < PERIODS * SAMPLES:
+        if time[-1] < end or np.count_nonzero(rows) < POLICY.decay_periods * POLICY.decay_samples:
             return
         piece, std = fitted_segment(time[rows], values[rows], guess)
         if piece is None or piece.amplitude < POLICY.decay_amplitude * std:

@@ -193,10 +193,6 @@ KINEMATIC = (
     *("position", "orientation", "inclination", "joint_angle", "joint_rate", "angular_rate", "acceleration"),
 )
 """Quantities that a rigid arm shows without its forces."""
-SPACING, MOST = 0.02, 2000
-"""Time between instants [s], and the most of them [1]: joints move little in a fiftieth of a second."""
-ROWS = 400
-"""Most readings of a signal that are looked at [1]."""
 
 
 def rigid_record(arm: Arm, record: Record) -> SimulatedRecord | None:
@@ -207,7 +203,7 @@ def rigid_record(arm: Arm, record: Record) -> SimulatedRecord | None:
     drives = {name: record.signals[name] for name in record.drive}
     shown = {}
     for name, signal in kinematic_signals(record).items():
-        every = slice(None, None, -(-len(signal) // ROWS) or 1)
+        every = slice(None, None, -(-len(signal) // POLICY.rigid_rows) or 1)
         shown[name] = signal.replace(time=signal.time[every], values=signal.values[every])
     if record.kind == "static" or arm.gears or not shown:
         return None
@@ -235,7 +231,9 @@ def _driven(arm: Arm, record: Record) -> tuple[Floats, dict[str, Floats]]:
             samples[signal.joint] = true_time(signal, arm, float(signal.time[0]))[known], true[known]
     first = min((float(t[0]) for t, _ in samples.values()), default=0.0)
     last = max((float(t[-1]) for t, _ in samples.values()), default=record.duration)
-    time = np.linspace(first, last, int(np.clip((last - first) / SPACING, 10, MOST)))
+    time = np.linspace(
+        first, last, int(np.clip((last - first) / POLICY.rigid_step, 10, POLICY.rigid_instants))
+    )
     rest = {name: np.full(len(time), value) for name, value in record.joints.items()}
     return time, rest | {joint: np.interp(time, *each) for joint, each in samples.items()}
 

@@ -51,11 +51,6 @@ from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
 from flexarm.wording import with_unit
 
-STEPS = 10
-"""Most steps of Gauss-Newton; turns of a radian take five."""
-WEAK = 0.02
-"""Part of the greatest singular value below which the data do not determine a motion of the frame."""
-
 
 @dataclass(frozen=True, eq=False)
 class _Sightings:
@@ -91,13 +86,13 @@ class _Pose:
         """Return the pose nearby that leaves the least of (1)."""
         pose, centre = self, sightings.predicted.mean(axis=0)
         arms = sightings.predicted - centre
-        for _ in range(STEPS):
+        for _ in range(POLICY.registration_steps):
             gap = sightings.measured - pose.seen(sightings.predicted)
             turning = -np.cross(np.eye(3)[None], arms[:, None])  # of a place about each axis, backwards
             rows = np.concatenate([np.broadcast_to(-np.eye(3), (len(arms), 3, 3)), turning], axis=1) @ pose.R
             known = np.isfinite(gap)
             jacobian = np.swapaxes(rows, 1, 2)[known]
-            change = np.linalg.lstsq(jacobian, gap[known], rcond=WEAK)[0]
+            change = np.linalg.lstsq(jacobian, gap[known], rcond=POLICY.undetermined)[0]
             turn = rotation_matrix(np.asarray(change[3:], dtype=float))
             pose = _Pose(turn @ pose.R, centre + turn @ (pose.x - centre) + change[:3])
             if np.abs(change).max() < 1e-9:

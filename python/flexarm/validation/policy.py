@@ -70,10 +70,15 @@ class ValidationPolicy:
     min_shift: float = 5e-3  # [reach] least shift of a place
     min_shift_part: float = 0.05  # [-] share of a shift that an axis must have to be reported
     shift_agreement: float = 0.2  # [-] share of a shift to which the signals of a frame agree
+    registration_steps: int = 10  # [-] most Gauss-Newton steps of a frame; turns of a radian take five
+    undetermined: float = 0.02  # [-] singular value over the greatest: data do not determine that motion
     min_motion: float = 0.1  # [reach, distance from the base] least motion that shows a frame or drive
 
     # drives
     coarse_step: float = 1e-2  # [s] step of hypotheses: enough to tell a factor of 57 or a sign
+    rigid_step: float = 0.02  # [s] between instants of the rigid arm: joints move little in that time
+    rigid_instants: int = 2000  # [-] most of these instants
+    rigid_rows: int = 400  # [-] most readings of a signal that are compared with the rigid arm
     min_repaired: float = 0.7  # [-] share of the channels that a hypothesis must leave in order
     factor_tolerance: float = 0.1  # [log] factors as near as that are the same to a motion
     factor_accuracy: float = 0.01  # [log] accuracy of a factor, to which it is told from a gear's ratio

@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexarm import Record, Signal
+from flexarm.residual_analysis.policy import POLICY
 from flexarm.residual_analysis.unexplained import (
-    PERIODS,
     DecaySegment,
     decay_segments,
     describe_free_decays,
@@ -53,7 +53,7 @@ def test_a_linear_law_has_one_frequency_and_one_damping():
 
 def test_stated_errors_are_those_of_repeated_measurements():
     """One sigma over 60 draws of the noise is known to 9 %."""
-    time = stamps(PERIODS / 2.2)
+    time = stamps(POLICY.decay_periods / 2.2)
     x = np.exp(-0.03 * OMEGA * time) * np.cos(OMEGA * time)
     pieces = [fitted_segment(time, x + 0.02 * RNG.normal(size=len(time)), 2.0)[0] for _ in range(60)]
     for name in ("frequency", "damping"):
