@@ -229,5 +229,5 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
 def test_the_chosen_one_is_compared_as_it_was_tried():
     first, other = Made("gear_ratio", 7.5, 1.0), Made("encoder_scale", 7.5, 1.0)
     best = Made("gear_ratio", 6.8, 1.0)
-    assert alternatives._peer(best, [first, other]) is first
-    assert alternatives._peer(best, [other]) is best
+    assert alternatives._as_tried(best, [first, other]) is first
+    assert alternatives._as_tried(best, [other]) is best
