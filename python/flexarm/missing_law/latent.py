@@ -16,6 +16,7 @@ base is one for each axis (`base`).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -91,14 +92,9 @@ def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[La
     Sensors whose offset cannot be as likely as the likeliest joint are left out.
     """
     arm, best = with_members(fit.nuisance.arm, fit.members), -np.inf
-    for joint in _likely_joints(problem, fit, arm, policy):
-        try:
-            found = _windup(joint, problem, fit, arm, policy)
-        except FIT_ERRORS:
-            continue
-        if found is not None:
-            best = max(best, found.model.log_evidence if found.gain > policy.evidence else -np.inf)
-            yield found
+    for found in _windups(_likely_joints(problem, fit, arm, policy), problem, fit, arm, policy):
+        best = max(best, found.model.log_evidence if found.gain > policy.evidence else -np.inf)
+        yield found
     for axis, bases, jacobian in base_responses(problem, arm, policy):
         yield _linear(BASE, f"rotation about {axis}", "rad", problem, fit, bases, jacobian, policy)
     motions = (rows for rows in problem.rows if problem.records[rows.record].kind == "motion")
@@ -114,15 +110,20 @@ def _likely_joints(problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> l
     if len(joints) <= policy.most_joints:
         return joints
     coarse = replace(policy, spacing=policy.pass_spacing, linearisations=0)
-    evidence = {}
-    for joint in joints:
-        try:
-            found = _windup(joint, problem, fit, arm, coarse)
-        except FIT_ERRORS:
-            continue
-        if found is not None:
-            evidence[joint] = found.model.log_evidence
+    evidence = {each.at: each.model.log_evidence for each in _windups(joints, problem, fit, arm, coarse)}
     return sorted(evidence, key=lambda joint: -evidence[joint])[: policy.most_joints]
+
+
+def _windups(
+    joints: Sequence[str], problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy
+) -> Iterator[Latent]:
+    """Yield the latent windup of each joint that can be simulated."""
+    for joint in joints:
+        found = None
+        with suppress(*FIT_ERRORS):
+            found = _windup(joint, problem, fit, arm, policy)
+        if found is not None:
+            yield found
 
 
 def _windup(joint: str, problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy) -> Latent | None:

@@ -111,13 +111,13 @@ def missing_laws(
     return next((tried[k] for k in likely if tried[k].has_state), tried[-1])
 
 
-def _unless_worse(told: _Candidate) -> _Candidate:
-    """Return a law, told as none if the held-out gap grows with it."""
-    gap = told.curve.held_out
+def _unless_worse(law: _Candidate) -> _Candidate:
+    """Return a law, reported as none if the held-out gap grows with it."""
+    gap = law.curve.held_out
     if gap.before_rms is None or gap.after_rms is None or gap.after_rms <= gap.before_rms:
-        return told
-    says = f"{told.curve.says}, but with it the held-out gap grows"
-    return _Candidate(replace(told.curve, kind="none", says=says))
+        return law
+    says = f"{law.curve.says}, but with it the held-out gap grows"
+    return _Candidate(replace(law.curve, kind="none", says=says))
 
 
 def not_inferred(problem: Problem, arm: Arm) -> str:
