@@ -140,7 +140,7 @@ def _head(d: Diagnosis) -> Iterator[str]:
     yield f"from the model {model} and {_records(d.training)}"
     if d.held_out and d.hold_out_kind != "blocks":
         yield f"tried on {_records(d.held_out)}, which no fit has seen"
-    kept = [effect for effect in d.effects if _in(d, effect)]
+    kept = [effect for effect in d.effects if _is_added(d, effect)]
     moved = d.refinements
     changed = [each for each in moved if each.refined.value != each.refined.nominal]
     if not kept and not changed:
@@ -170,7 +170,7 @@ def _records(names: Sequence[str]) -> str:
     return f"the record{'s' if len(names) > 1 else ''} {listed(names)}"
 
 
-def _in(d: Diagnosis, effect: NamedEffect) -> bool:
+def _is_added(d: Diagnosis, effect: NamedEffect) -> bool:
     """Return True if a named effect was added to the model; faults of sensors and open questions are not."""
     pairs = [(d.updated.effect(effect.name, at), d.arm.effect(effect.name, at)) for at in effect.places]
     return any(added is not None and added != old for added, old in pairs)

@@ -294,10 +294,8 @@ def _effect_lines(plan: Plan) -> list[str]:
 def _group_lines(plan: Plan) -> list[str]:
     if not plan.groups:
         return ["every effect that is seen can be told from every other one"]
-    lines = ["cannot be told apart (expected ln Bayes factor below ln 20):"]
-    for group in plan.groups:
-        lines.append("  " + listed([place_words(*plan.effects[i].place) for i in group]))
-    return lines
+    groups = [listed([place_words(*plan.effects[i].place) for i in group]) for group in plan.groups]
+    return ["cannot be told apart (expected ln Bayes factor below ln 20):", *(f"  {each}" for each in groups)]
 
 
 def _addition_lines(plan: Plan) -> list[str]:
