@@ -193,7 +193,7 @@ def family(spread: float) -> Family:
     prior = Prior(1e2, 1e6, 1e4, "log", "N m/rad", "test")
     members = tuple(FreeParameter.of_family(f"k{k}", prior, spread, None) for k in range(3))
     hierarchy = HierarchicalPrior.of(prior, CalibrationPolicy(family_spread=spread))
-    return Family("joint_compliance", "stiffness", prior, members, ("a", "b", "c"), hierarchy)
+    return Family("joint_compliance", "stiffness", members, ("a", "b", "c"), hierarchy)
 
 
 def test_the_prior_of_a_family_is_that_of_a_shared_size_and_of_spread():

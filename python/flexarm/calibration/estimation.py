@@ -211,7 +211,8 @@ def multi_start(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
         jacobian = estimation.linearised(u).jacobian
         sigma = np.array([estimation.parameters[k].sigma for k in others])
         projection = Projection(jacobian[:, others], sigma)
-        low, high = family.prior.low / policy.range_factor, family.prior.high * policy.range_factor
+        prior = family.hierarchy.prior
+        low, high = prior.low / policy.range_factor, prior.high * policy.range_factor
         tried = [(np.inf, u)]
         for size in np.log(np.geomspace(low, high, policy.sizes)):
             start = u.copy()

@@ -29,8 +29,6 @@ class Family:
 
     effect: str
     parameter: str
-    prior: Prior
-    """Of one machine's size."""
     members: tuple[FreeParameter, ...]
     """One a place."""
     places: tuple[str, ...]
@@ -123,4 +121,4 @@ def _family(members: Sequence[tuple[str, Prior, Effect]], policy: CalibrationPol
         )
         for name, each, effect in members
     )
-    return Family(first.name, parameter, prior, free, tuple(effect.at for _, _, effect in members), hierarchy)
+    return Family(first.name, parameter, free, tuple(effect.at for _, _, effect in members), hierarchy)

@@ -256,7 +256,7 @@ def _family(posterior: Posterior, family: Family) -> CalibratedFamily:
         sigma = float(np.sqrt(1 / weight + mean @ posterior.covariance[np.ix_(columns, columns)] @ mean))
         shared = Range(exp(mu), exp(mu - NORMAL_90 * sigma), exp(mu + NORMAL_90 * sigma))
     return CalibratedFamily(
-        family.effect, family.parameter, family.prior.unit, family.places, shared, hierarchy.spread
+        family.effect, family.parameter, hierarchy.prior.unit, family.places, shared, hierarchy.spread
     )
 
 
