@@ -112,7 +112,7 @@ class AlternativeModel:
     fits_behind: float
     """The same of the likelihood alone, without priors."""
     predicts: bool = True
-    """Whether it predicts left-out data as well, where a gap is left."""
+    """True if it predicts left-out data as well, where a gap is left."""
     reach: float = SelectionPolicy.reach
     """ln B within which it is an alternative."""
 

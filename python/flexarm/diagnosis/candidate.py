@@ -200,13 +200,13 @@ class TransformedParameter:
     candidate: int
     """Which effect of the set."""
     name: str
-    """Of the parameter."""
+    """Name of the parameter."""
     prior: Prior
     """At the start of the fit."""
     smooth: bool = True
     """True if its law is smooth."""
     weight: float = FIT.prior_weight
-    """Of its prior in a fit, unless that is uniform."""
+    """Weight of its prior in a fit, unless that is uniform."""
 
     @property
     def held(self) -> float:
@@ -237,14 +237,14 @@ class TransformedParameter:
         return size * self.value(z) if self.prior.scale == "log" else size
 
     def step(self, z: float, seconds: float) -> float:
-        """Of differences; of a frequency so small that the wave stays in step for so many seconds."""
+        """Return the step of differences; that of a frequency keeps its wave in phase for so many seconds."""
         if self.name != "frequency" or seconds == 0:
             return self.widest_step
         return min(self.widest_step, FIT.phase_step / (2 * pi * seconds * self.slope(z)))
 
     @property
     def widest_step(self) -> float:
-        """Of differences, whatever z is."""
+        """Return the widest step of differences."""
         return FIT.smooth_step if self.smooth else FIT.non_smooth_step
 
     def log_density(self, z: float) -> float:

@@ -75,7 +75,7 @@ def effect_count(members: Sequence[Candidate], pairs: dict[str, str]) -> int:
 
 
 def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
-    """Where an effect can act and be seen."""
+    """Return the places where an effect can act and be seen."""
     records = problem.records.values()
     evidence = dict.fromkeys((row.record, row.signal) for row in problem.rows)
     signals = [problem.records[record].signals[signal] for record, signal in evidence]

@@ -324,7 +324,7 @@ def _stretches(problem: Problem, count: int) -> list[NDArray[np.int_]]:
 
 
 PARTS = 5
-"""Of a single record."""
+"""Parts of a single record."""
 
 
 def cross_validated_skill(fit: Fit, null: Fit, stated: Floats, problem: Problem) -> float:

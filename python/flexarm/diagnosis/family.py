@@ -58,7 +58,7 @@ class HierarchicalPrior:
     """Eq. (1) or (2) of one parameter."""
 
     prior: Prior
-    """Of one machine's size."""
+    """Prior of the size in one machine."""
     prior_spread: float
     count: float
     """tau_0 and nu of (3); `family_spread` and `family_count` of the policy."""
@@ -134,7 +134,7 @@ class EffectFamily(Candidate):
     members: tuple[Candidate, ...] = ()
     """One a place; all else is that of the first, but for `free`."""
     hierarchy: Mapping[str, HierarchicalPrior] = field(default_factory=dict)
-    """Of the members' parameters that are alike, by their names."""
+    """Prior of each parameter that the members share in kind, by name."""
     shared: bool = False
     """True if the members have one value of each parameter."""
     least_places: ClassVar[int] = 3

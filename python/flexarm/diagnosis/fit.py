@@ -91,7 +91,7 @@ class Projection:
         return np.asarray(self.scale * lsq_linear(self.r, -self.q.T @ b, (-bound, bound)).x)
 
     def covariance(self) -> Floats:
-        """Of x, shape (k, k), if the residuals are white noise of size one."""
+        """Return the covariance of x for residuals of unit white noise, shape (k, k)."""
         inverse = np.linalg.pinv(self.r)
         scaled = self.scale[:, None] * inverse
         found: Floats = scaled @ scaled.T
@@ -112,7 +112,7 @@ class Fit:
     z: Floats
     """The fitted parameters, in sigmas of their priors. Shape (k,)."""
     residual: Floats
-    """Of that model, eq. (1) of `problem`. Shape (n,)."""
+    """Residual of that model, eq. (1) of `problem`, shape (n,)."""
     projected: Floats
     """The residual projected orthogonally to nuisance parameters. Shape (n + m,)."""
     jacobian: Floats

@@ -100,7 +100,7 @@ class _Feature:
 
     words: str
     unit: str
-    """What it is, before the number."""
+    """Words before the number, and its unit."""
     value: float
     """Its value [unit]."""
     side: int = 0
@@ -108,7 +108,7 @@ class _Feature:
     extrapolation.
     """
     span: float = 0.0
-    """Of a range's end the range, beside which a difference counts [unit]."""
+    """Range of which the value is an end; differences count relative to it [unit]."""
 
     def same(self, other: _Feature) -> bool:
         """Return True if it is as in another record."""
@@ -132,7 +132,7 @@ class _Feature:
 
 
 Features = dict[str, _Feature]
-"""By name."""
+"""Features by name."""
 
 
 def _alike(arm: Arm, training: Mapping[str, Record], held_out: Record) -> list[Features]:

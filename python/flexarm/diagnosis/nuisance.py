@@ -47,7 +47,7 @@ class NuisanceParameter:
     sigma: float
     """Gaussian prior [unit]."""
     unit: str
-    """Of both."""
+    """Unit of both."""
     kind: Literal["clock", "frame", "nominal", "start", "base"]
     """A "start" is an initial vibration of a record, "base" the tilt of its base."""
     one_sign: bool = False

@@ -68,10 +68,10 @@ class Problem:
     arm: Arm
     """The nominal model."""
     records: Mapping[str, Record]
-    """What was measured."""
+    """Measured records by name."""
     step: float = 2e-3
     alpha: float = -0.05
-    """Of all simulations [s], [-]."""
+    """Settings of all simulations [s], [-]."""
     jobs: int = 1
     """Number of simulations at once."""
     policy: SelectionPolicy = field(default_factory=SelectionPolicy)
@@ -87,7 +87,7 @@ class Problem:
     initial_conditions: tuple[InitialCondition, ...] = field(init=False, default=())
     """Possible initial vibrations of records that begin in motion."""
     tilts: tuple[UncertainTilt, ...] = field(init=False, default=())
-    """Of the base, where records state them with a sigma."""
+    """Tilts of the base that records state with a sigma."""
     simulations: SimulationCache = field(init=False)
     """Simulations of the records."""
     evidence: WeakKeyDictionary[Any, Any] = field(init=False, default_factory=WeakKeyDictionary)

@@ -44,9 +44,9 @@ class InitialCondition:
     """Whose."""
     before: float
     width: float
-    """How long before the first sample it ends, and how long it lasts [s]."""
+    """Time from its end to the first sample, and its duration [s]."""
     unit: str
-    """Of its height."""
+    """Unit of its height."""
 
     @property
     def key(self) -> str:
@@ -55,7 +55,7 @@ class InitialCondition:
 
 
 def find_initial_conditions(problem: Problem, arm: Arm) -> tuple[InitialCondition, ...]:
-    """Those of the records that begin in motion, for the modes of a model."""
+    """Return initial conditions of records that begin in motion, for the modes of a model."""
     found: list[InitialCondition] = []
     for name, record in problem.records.items():
         if record.initial != "moving" or record.kind == "static":
@@ -105,7 +105,7 @@ def _possible(name: str, arm: Arm, drive: Drive) -> list[InitialCondition]:
 def _independent(
     problem: Problem, arm: Arm, initial_conditions: Sequence[InitialCondition]
 ) -> list[InitialCondition]:
-    """Those that leave something of their own, by elimination with column pivoting."""
+    """Return linearly independent ones, by elimination with column pivoting."""
     from scipy.linalg import qr
 
     if not initial_conditions:

@@ -252,5 +252,5 @@ def refinement_step(fit: Fit, about: Estimator, anew: bool = True) -> tuple[Fit,
 
 
 def sigma_squared(fit: Fit) -> float:
-    """Of a residual: one of noise alone, more where a gap is left."""
+    """Return the mean square of a residual, at least that of the noise."""
     return max(1.0, fit.cost / len(fit.residual))

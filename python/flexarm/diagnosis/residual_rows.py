@@ -58,11 +58,11 @@ class Rows:
     signal: str
     """Names."""
     channel: int
-    """Of the signal."""
+    """Number of the channel in the signal."""
     where: slice
     """In the vector."""
     mask: NDArray[np.bool_]
-    """Rows of the signal that are in it. Shape (n,)."""
+    """True at rows of the signal that are in the vector, shape (n,)."""
     sigma: float
     """1 sigma of the noise [SI]."""
     time: Floats

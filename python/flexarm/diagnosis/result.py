@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 TIMES = 3.0
 """Four readings of noise, as two poses have, are as far off once in three million times."""
 LEAST = {"m": 1e-6, "rad": 1e-6}
-"""By unit what a simulation misses anyway: of records without noise nothing else is left."""
+"""Error of any simulation by unit, for records without noise."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def explained_squares(problem: Problem, non_smooth: bool) -> dict[str, float]:
 
 
 def held_out_gaps(d: Diagnosis) -> list[HeldOutGap]:
-    """Of every record that was held out, and every signal of it that is evidence."""
+    """Return the held-out gap of each signal that is evidence, in each record."""
     found = []
     for record in d.held_out:
         for signal, gap in (d.after[record].evidence if record in d.after else {}).items():
@@ -119,7 +119,7 @@ def held_out_gaps(d: Diagnosis) -> list[HeldOutGap]:
 
 
 STILL = 1e-3
-"""Of its 1 sigma a value may move and still count as where it was."""
+"""Move of a value that counts as none, over its 1 sigma."""
 
 
 @dataclass(frozen=True)

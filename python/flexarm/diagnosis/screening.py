@@ -60,9 +60,9 @@ class Share:
     """The share of the residual that a set of candidates explains."""
 
     members: tuple[Candidate, ...]
-    """Of the size that explains most, ready to be fitted."""
+    """Effects at the sizes that explain most, the start of a fit."""
     share: float
-    """Of the squared gap, eq. (1)."""
+    """Explained share of the squared gap, eq. (1)."""
 
     @property
     def places(self) -> tuple[tuple[str, Place], ...]:

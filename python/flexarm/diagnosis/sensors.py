@@ -61,13 +61,13 @@ class CoarseEncoder:
     """A coarse encoder, its step and the error that it causes."""
 
     effect: EncoderQuantisation
-    """With the step that was seen."""
+    """Effect with the step that was seen."""
     over_noise: float
     """The step over the stated noise of the encoder."""
     moves: str
     """The signal with the largest error."""
     error: float
-    """That error, rms over the noise."""
+    """Rms of that error over the noise."""
 
     def named(self, probability: float) -> NamedEffect:
         """Return the encoder as a named effect: its step is seen in the readings."""

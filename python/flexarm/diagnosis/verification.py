@@ -35,7 +35,7 @@ from flexarm.residual_analysis.unexplained import describe_free_decays, free_dec
 from flexarm.threads import at_once
 
 Rounding = Callable[[float, float], float]
-"""Of a value, by its standard deviation."""
+"""Rounding of a value, given its standard deviation."""
 
 
 def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
@@ -155,10 +155,10 @@ class SplitRecords:
 
     training: Mapping[str, Record]
     held_out: Mapping[str, Record]
-    """What was fitted, and what was not."""
+    """Records that were fitted, and those that were not."""
     step: float
     alpha: float
-    """Of the simulations [s], [-]."""
+    """Settings of the simulations [s], [-]."""
     jobs: int
     """Simulations at once."""
 
@@ -197,9 +197,9 @@ class Verification:
     """Its gap, an effect at a time."""
     located: Localisation | None
     located_after: Localisation | None
-    """Where the gap of the training lies; None where motions and poses are mixed."""
+    """Localisation of the gap of the training; None where motions and poses are mixed."""
     remainder: str
-    """What is seen of a gap that stays open."""
+    """Description of an unexplained gap."""
     remarks: tuple[str, ...]
     """Records of which most of a gap is aligned away; where the simulation is not clearly better than data.
     """

@@ -191,9 +191,9 @@ class NoiseFloor:
     """Noise floor of every signal."""
 
     signals: tuple[SignalFloor, ...]
-    """By record and signal."""
+    """Floors by record and signal."""
     step: float = 2e-3
-    """Of the simulations [s]."""
+    """Time step of the simulations [s]."""
 
     @property
     def is_below_noise(self) -> bool:

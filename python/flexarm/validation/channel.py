@@ -177,7 +177,7 @@ class Channel:
     record: str
     """Name of the record."""
     signal: Signal
-    """With all its channels."""
+    """Signal with all its channels."""
     index: int
     """Which of them."""
     rows: NDArray[np.intp]

@@ -97,9 +97,9 @@ class DriveFault:
     """Hold a fault of one drive of a record, or of all alike."""
 
     values: Mapping[str, Values]
-    """By the names of the drives at fault the parameters of their faults."""
+    """Parameters of the faults by drive."""
     name: str
-    """Of the fault."""
+    """Name of the fault."""
     log_bayes: float
     """Against the best explanation without it."""
     sentence: str

@@ -32,13 +32,13 @@ class Addition:
     """Something that may be added."""
 
     words: str
-    """Such as "with the motor torque of hinge logged"."""
+    """Description, such as "with the motor torque of hinge logged"."""
     minutes: float
     """Its cost."""
     points: tuple[Point, ...] = ()
     """Reflectors that it needs."""
     sensors: tuple[Sensor, ...] = ()
-    """What is measured besides, in every run."""
+    """Sensors that are added to every run."""
     runs: tuple[Experiment, ...] = ()
     """Runs that are made besides."""
 
@@ -174,7 +174,7 @@ def _across(arm: Arm, link: Beam) -> np.ndarray:
 
 
 def _rate(run: Experiment) -> float:
-    """Of a sensor that is added: as the trackers'."""
+    """Return the rate of an added sensor [Hz]: that of the trackers."""
     return next((s.rate_hz for s in run.sensors if s.quantity == "position"), DESIGN.tracker_hz)
 
 

@@ -38,16 +38,16 @@ class Experiment:
     drivers: Mapping[str, str]
     """Joints that move and the signals that show it."""
     sensors: tuple[Sensor, ...]
-    """What is measured beside the drive."""
+    """Sensors besides those of the drive."""
     clocks: Mapping[str, Clock]
     """The first is that of the drive."""
     frames: Mapping[str, Frame]
-    """Of trackers."""
+    """Frames of trackers."""
     payloads: Mapping[str, CarriedPayload] = field(default_factory=dict)
     links: Mapping[str, DrawnLink] = field(default_factory=dict)
-    """What the run carries and how far links are drawn out, as in a record."""
+    """Payloads and lengths of links, as in a record."""
     base: BaseStand | None = None
-    """How the base stands, as in a record."""
+    """Stand of the base, as in a record."""
     assumed: tuple[str, ...] = ()
     """Sentences about what nobody stated."""
 

@@ -74,7 +74,7 @@ class _Rows:
 
 
 def _present(choice: Choice, pairs: Sequence[tuple[int, AlternativeModel]]) -> _Rows:
-    """Rows 0 of (1)."""
+    """Return rows 0 of (1)."""
     estimator = choice.estimator
     best = estimator.problem.residual(estimator.with_effects(choice.best.members))
     apart = [estimator.problem.residual(estimator.with_effects(r.fit.members)) - best for _, r in pairs]
@@ -102,7 +102,7 @@ class _Next:
         problem: Problem,
         pairs: Sequence[tuple[int, AlternativeModel]],
     ) -> _Next | None:
-        """Of a run; None if it cannot be simulated."""
+        """Return the rows of a run; None if it cannot be simulated."""
         step = problem.step
         try:
             record = run.record(arm, step, problem.alpha)
@@ -132,7 +132,7 @@ def _model_of(arm: Arm, choice: Choice, fit: Fit, members: Sequence[Candidate] |
 
 
 def _derivatives(problem: Problem, arm: Arm, choice: Choice, fit: Fit, here: Floats) -> Floats:
-    """Z of (1) by finite steps."""
+    """Return Z of (1) by finite steps."""
     columns = []
     for parameter, z in zip(fit.parameters, fit.z, strict=True):
         members = list(fit.members)
@@ -149,7 +149,7 @@ def _derivatives(problem: Problem, arm: Arm, choice: Choice, fit: Fit, here: Flo
 
 
 def _expected(present: _Rows, found: _Next, k: int, signals: Iterable[str]) -> float:
-    """E ln B of pair k, of the signals that an addition has."""
+    """Return E ln B of pair k given the signals of an addition."""
     wanted = set(signals)
     kept = np.array([signal in wanted for signal in found.signals])
     new = found.rows
@@ -208,7 +208,7 @@ def next_experiment(choice: Choice, problem: Problem, unexplained: bool = False)
 
 
 def _worthwhile(gains: Iterator[tuple[Addition, list[float]]]) -> list[tuple[Addition, float]]:
-    """Additions of the least cost at which one promises enough, else all; dearer ones are not simulated."""
+    """Return the additions of the least cost of which one suffices, else all; no dearer one is simulated."""
     found: list[tuple[Addition, float]] = []
     for _, alike in groupby(gains, key=lambda pair: pair[0].minutes):
         new = [(addition, gain) for addition, each in alike if np.isfinite(gain := min(each))]
@@ -236,7 +236,7 @@ def _sentence(
 
 
 def _words(choice: Choice, pairs: Sequence[tuple[int, AlternativeModel]]) -> str:
-    """Such as "a from b and c"."""
+    """Return the pairs in words, such as "a from b and c"."""
     each = []
     for k in dict.fromkeys(k for k, _ in pairs):
         alternatives = listed(

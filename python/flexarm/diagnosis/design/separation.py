@@ -1,4 +1,4 @@
-r"""How well an experiment tells one effect from another: linear algebra on the gaps they would leave.
+r"""Separation of effects by a planned experiment: linear algebra on the gaps that they would leave.
 
 If effect i is there with gap g_i (over the noise) and another one, j, is named, with probes D_j free in size
 and clocks, frames and nominal values u free within their priors, what is left is
@@ -61,19 +61,19 @@ class Responses:
         return [tuple(each) for _, each in groupby(self.probed, key=lambda p: p.candidate.spot)]
 
     def only(self, rows: NDArray[np.bool_]) -> Responses:
-        """With some of the rows."""
+        """Return the same with some of the rows."""
         probed = tuple(Probed(p.candidate, p.moves[rows]) for p in self.probed)
         return Responses(self.nuisance, self.jacobian[rows], probed)
 
     def of(self, places: Sequence[tuple[str, str]]) -> Responses:
-        """With some of the effects, in the order of these responses."""
+        """Return the same with some of the effects, in their order here."""
         wanted = set(places)
         return Responses(
             self.nuisance, self.jacobian, tuple(p for p in self.probed if p.candidate.spot in wanted)
         )
 
     def stacked_with(self, other: Responses) -> Responses:
-        """With the rows of other responses below; effects of which all variants are in both."""
+        """Return these rows above those of other responses, for effects with all variants in both."""
         below = {_key(p.candidate): p.moves for p in other.probed}
         lost = {p.candidate.spot for p in self.probed if _key(p.candidate) not in below}
         probed = tuple(
@@ -120,7 +120,7 @@ def expected_log_bayes_factor(v: Floats, rows: int) -> Floats:
 
 @dataclass(frozen=True)
 class Shown:
-    """By which of its probes an effect is shown: the one that is seen best."""
+    """Variant of an effect that is seen best."""
 
     variant: int
     probe: int
@@ -300,7 +300,7 @@ class PlannedRows:
         self.problem, self.planned = problem, planned
 
     def all(self, more: Iterable[str] = ()) -> NDArray[np.bool_]:
-        """Those of the planned sensors, and of some more."""
+        """Return True at rows of the planned sensors, and of some more."""
         wanted = {*self.planned, *more}
         found = np.zeros(len(self.problem), dtype=bool)
         for each, where in self.problem.channels():
@@ -309,5 +309,5 @@ class PlannedRows:
 
 
 def _order(parting: Parting) -> tuple[bool, float, float]:
-    """Those that part first, the cheapest of them, and of these the best; then the best of the rest."""
+    """Return the sort key: additions that part by cost and gain, then the others by gain."""
     return (not parting.parts, parting.minutes if parting.parts else 0.0, -parting.log_bayes_factor)

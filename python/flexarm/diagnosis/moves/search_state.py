@@ -163,7 +163,7 @@ class SearchState:
     about_null: Estimator
     """The same about its own optimum, which larger models are compared with."""
     criteria: Criteria
-    """What is accepted."""
+    """Criteria of acceptance."""
     places: dict[str, str]
     """Pairs of joints that are one place of the machine."""
     tried: list[Fit] = field(default_factory=list)
