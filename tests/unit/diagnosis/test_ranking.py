@@ -31,7 +31,8 @@ class Made:
 
     @property
     def members(self):
-        return (SimpleNamespace(place=self.places[0], acting_as=lambda other: None),)
+        effect = SimpleNamespace(pins_of_loops_only=False)
+        return (SimpleNamespace(place=self.places[0], acting_as=lambda other: None, effect=effect),)
 
 
 @pytest.fixture(autouse=True)
