@@ -70,9 +70,9 @@ def test_derivatives_of_a_long_swing_are_those_of_the_equations(run, step):
     assert np.linalg.norm(found - exact) < 0.02 * np.linalg.norm(exact)
 
 
-@pytest.mark.parametrize("step, finest", [(4e-3, 2), (8e-3, 4)])
+@pytest.mark.parametrize("step, finest", [(8e-3, 2), (16e-3, 4)])
 def test_steps_are_halved_again_where_half_a_step_moves_more_than_the_noise(run, monkeypatch, step, finest):
-    """8 ms leave 2 sigmas of phase after half a minute, 4 ms a quarter of that."""
+    """16 ms leave several sigmas of phase after half a minute, 8 ms a quarter of that."""
     there = problem(run, step)
     seen, plain = [], SimulationCache._along
     monkeypatch.setattr(
