@@ -5,7 +5,8 @@ parabolas through those before, after and on both sides (`flexarm.measurement.ou
 
 * `spike_noises` times the stated noise,
 * `spike_spread` times the usual such difference, and `NEARBY` times that of most rows around it,
-* `unusual_ratio` times the vibration that the model predicts around it, as its phase is seldom right.
+* `unusual_ratio` times the vibration that the model predicts around it, as its phase is seldom right, or
+  less of it where most rows of the signal show that phase right.
 
 Torques, accelerations and strains jump where teeth strike; only readings beyond `RANGES` ranges of the others
 are outliers there. Drives have no residual and are judged by the parabolas alone. One of the three is right
@@ -30,6 +31,7 @@ from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.filters import cubic_average
 from flexarm.measurement.outliers import (
     AROUND,
+    MOST_OF_THEM,
     NEARBY,
     NEIGHBOURS,
     SMOOTH,
@@ -156,9 +158,19 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     far = np.flatnonzero(np.any(size > least, axis=1))
     limit = np.maximum(least, NEARBY * nearby(size, far))
     limit[(far < 2) | (far >= len(rows) - 2)] *= POLICY.edge_ratio
-    here = POLICY.unusual_ratio * np.broadcast_to(ringing, residual.shape)[rows[far]]
+    vibration = POLICY.unusual_ratio * np.broadcast_to(ringing, residual.shape)[rows]
+    here = vibration[far] * _share_out_of_phase(size, vibration, least)
     found[rows[far]] = np.any(size[far] > np.maximum(limit, here), axis=1)
     return found
+
+
+def _share_out_of_phase(size: Floats, vibration: Floats, least: Floats) -> float:
+    """Return `NEARBY` times the share of the predicted vibration that most rows miss, at most 1, of rows of
+    size (n, channels) where it exceeds the least distance of an outlier.
+    """
+    rings = vibration > least
+    share = size[rings] / vibration[rings]
+    return min(NEARBY * float(np.quantile(share, MOST_OF_THEM)), 1.0) if len(share) else 1.0
 
 
 def blank_rows(record: Record, name: str, rows: NDArray[np.bool_] | Sequence[int]) -> Record:
