@@ -53,7 +53,7 @@ def held_out_once(
 
 
 def left_out_table(found: Mapping[str, Diagnosis]) -> str:
-    """What each length missed while it was held out, and what it was foretold by."""
+    """What each length missed while it was held out, and what it was predicted by."""
     lines = ["held out        before      after [mm]   verdict, effects"]
     gaps = []
     for name, each in found.items():
