@@ -39,6 +39,7 @@ Eigenpairs by_lapack(const MatrixXd& A) {
   VectorXd work(n_work);
   Eigen::VectorXi integers(n_integers);
   int info = 0;
+  const solvers::OneBlasThread here;
   dsyevd("V", "L", &n, pairs.vectors.data(), &n, pairs.values.data(), work.data(), &n_work, integers.data(),
          &n_integers, &info, 1, 1);
   if (info != 0 || !pairs.values.allFinite()) return {};

@@ -24,13 +24,17 @@ void* symbol_of_cholmod(const char* name) {
   return address;
 }
 
-using SetLevels = void (*)(int);
-SetLevels set_max_active_levels =
-    nullptr;  // of OpenMP; found before the fork, after which a lock may be held
+using SetCount = void (*)(int);
+SetCount set_max_active_levels = nullptr;  // of OpenMP; found before the fork, after which a lock may be held
 
 /// In the child of a fork.
 void run_in_one_thread() {
   if (set_max_active_levels != nullptr) set_max_active_levels(0);
+}
+
+SetCount set_blas_threads() {
+  static const auto set = reinterpret_cast<SetCount>(symbol_of_cholmod("openblas_set_num_threads"));
+  return set;
 }
 
 std::string file_of(void* address) {
@@ -50,9 +54,20 @@ std::string loaded_blas() {
   return file_of(symbol_of_cholmod("dgemm_"));
 }
 
+OneBlasThread::OneBlasThread() {
+  static auto* const count = reinterpret_cast<int (*)()>(symbol_of_cholmod("openblas_get_num_threads"));
+  if (count == nullptr || set_blas_threads() == nullptr || count() == 1) return;
+  before_ = count();
+  set_blas_threads()(1);
+}
+
+OneBlasThread::~OneBlasThread() {
+  if (before_ > 0) set_blas_threads()(before_);
+}
+
 void survive_forks() {
   [[maybe_unused]] static const int registered = [] {
-    set_max_active_levels = reinterpret_cast<SetLevels>(symbol_of_cholmod("omp_set_max_active_levels"));
+    set_max_active_levels = reinterpret_cast<SetCount>(symbol_of_cholmod("omp_set_max_active_levels"));
     return pthread_atfork(nullptr, nullptr, &run_in_one_thread);
   }();
 }
@@ -60,6 +75,8 @@ void survive_forks() {
 #else
 
 void* blas_symbol(const std::string&) { return nullptr; }
+OneBlasThread::OneBlasThread() = default;
+OneBlasThread::~OneBlasThread() = default;
 std::string loaded_blas() { return "none, Eigen's own kernels"; }
 void survive_forks() {}
 
