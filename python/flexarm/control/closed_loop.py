@@ -86,8 +86,8 @@ def simulate_closed_loop(
         If a commanded joint has no controller, sample times have no common grid, or there is no derivative
         by a parameter.
     NotConverged
-        With time, iteration and residual; also if a motor runs a turn (a joint that slides `LONGEST`) away
-        from its command, for its controller diverges.
+        With time, iteration and residual; also if a motor runs a turn (a joint that slides `LONGEST`) farther
+        from its command than commands range, for its controller diverges.
 
     Examples
     --------
@@ -178,6 +178,7 @@ def _sampled(
     torque: list[Real] = [0.0] * len(task.arm.joints)
     voltage = np.full((count, len(torque)), np.nan)
     slopes = np.full((*voltage.shape, plant.n_parameters), np.nan)
+    ranges = {name: float(np.ptp([*map(value_of, samples)])) for name, samples in commands.items()}
     with reported(progress, task.arm.name) as report:
         for k in range(count):
             for name, loop in loops.items():
@@ -187,7 +188,7 @@ def _sampled(
                     voltage[held, loop.joint] = value_of(volts)
                     slopes[held, loop.joint] = slopes_of(volts, plant.n_parameters)
             commanded = {name: value_of(samples[k]) for name, samples in commands.items()}
-            require_followed(task.arm, loops, plant, commanded)
+            require_followed(task.arm, loops, plant, commanded, ranges)
             try:
                 plant.advance(torque, grid.substeps)
             except NotConverged as error:

@@ -15,11 +15,18 @@ from flexarm.errors import NotConverged
 
 
 def require_followed(
-    arm: Arm, loops: Mapping[str, Loop], plant: Plant, commanded: Mapping[str, float]
+    arm: Arm,
+    loops: Mapping[str, Loop],
+    plant: Plant,
+    commanded: Mapping[str, float],
+    ranges: Mapping[str, float],
 ) -> None:
-    """Raise NotConverged if a motor stands a turn of its joint, or a length no arm has, from its command."""
+    """Raise NotConverged if a motor is farther from its command than a stable controller leaves it.
+
+    That is the range of its commands, and a turn of its joint or a length that no arm has.
+    """
     for name, error, unit in _errors(arm, loops, plant, commanded):
-        most = LONGEST if unit == "m" else 2 * pi * shaft_ratio(name, arm.gears)
+        most = ranges[name] + (LONGEST if unit == "m" else 2 * pi * shaft_ratio(name, arm.gears))
         if not abs(error) <= most:
             raise NotConverged(
                 f"the controller of joint {name!r} diverges: at t = {plant.time:.6g} s its motor stands "
