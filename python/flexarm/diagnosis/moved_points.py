@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.arm import Arm, Point
+from flexarm.arm.names import link_of
 from flexarm.arrays import Floats, read_only
 from flexarm.assembly.machine import machine_of
 from flexarm.effects.reflector_offset import ReflectorOffset
@@ -78,7 +79,7 @@ def _cross(one: Floats, other: Floats) -> Floats:
 
 def _beside(arm: Arm, point: Point) -> list[Point]:
     """Return two points a metre beside a point, across its link."""
-    along = np.array(getattr(arm.link(point.link), "end", (0.0, 0.0, 1.0)))
+    along = np.array(getattr(arm.link(link_of(point.link)), "end", (0.0, 0.0, 1.0)))
     one = np.cross(along, np.eye(3)[np.abs(along).argmin()])
     other = np.cross(along, one)
     sides = (each / np.linalg.norm(each) for each in (one, other))
