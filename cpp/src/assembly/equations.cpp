@@ -1,5 +1,6 @@
 #include "flexarm/assembly/equations.hpp"
 
+#include "flexarm/assembly/constraint_forces.hpp"
 #include "flexarm/assembly/tangent_terms.hpp"
 #include "flexarm/errors.hpp"
 
@@ -178,19 +179,7 @@ void SystemIn<D>::residual(const StateD& state, const LoadsD& loads, bool fricti
   if (loads.torques.size() > 0) r.tail(n_scalars()) -= loads.torques;
   add_beams(*this, state, r);
   add_masses(state, loads, r);
-  int row = 0;
-  for (const Joint& joint : constraints_) {
-    const int a = joint.node_a(), b = joint.node_b(), q = joint.coordinate(), m = joint.rows();
-    TwistD lambda = TwistD::Zero();
-    lambda.head(m) = state.multipliers.segment(row, m);
-    const auto f = joint.forces(frame(state, a), frame(state, b), q < 0 ? 0.0 : state.s[q], lambda);
-    r.template segment<n>(n * b) += f.b;
-    if (a >= 0) r.template segment<n>(n * a) += f.a;
-    row += m;
-  }
-  if constexpr (D == 3) {
-    if (!closures_.empty()) closures_.add_forces(state.frames, of_closures(state), r);
-  }
+  add_constraint_forces_on_nodes(*this, state, state.multipliers, r);
 }
 
 template <int D>
@@ -222,17 +211,7 @@ void SystemIn<D>::scalar_residual(const StateD& state, bool friction, Eigen::Ref
     r[law.plus] += force;
     if (law.minus >= 0) r[law.minus] -= force;
   }
-  int row = 0;
-  for (const Joint& joint : constraints_) {
-    const int q = joint.coordinate();
-    if (q >= 0) r[q] -= joint.twist().dot(state.multipliers.template segment<n>(row));
-    row += joint.rows();
-  }
-  for (const joints::GearConstraint& gear : gears_) {
-    r[gear.input] += gear.transmission(state.s[gear.input]).first * state.multipliers[row];
-    r[gear.output] -= state.multipliers[row];
-    ++row;
-  }
+  add_constraint_forces_on_scalars(*this, state, state.multipliers, r);
 }
 
 template <int D>

@@ -1,5 +1,6 @@
 #include "flexarm/simulation/consistent_forces.hpp"
 
+#include "flexarm/assembly/constraint_forces.hpp"
 #include "flexarm/errors.hpp"
 #include "flexarm/solvers/step_matrix.hpp"
 
@@ -36,19 +37,24 @@ ConsistentForcesIn<D>::ConsistentForcesIn(const assembly::SystemIn<D>& system)
       r_(system.n_velocities()),
       phi_(system.n_constraints()) {}
 
+/// M is constant in the axes of the nodes.
 template <int D>
-void ConsistentForcesIn<D>::find_massless(const assembly::StateIn<D>& state) {
-  const VectorXd mass = system_.tangent(state, {}, {1, 0, 0}, false).diagonal();
-  const double largest = mass.head(system_.n_free()).maxCoeff();
+void ConsistentForcesIn<D>::find_masses(const assembly::StateIn<D>& state) {
+  mass_ = system_.tangent(state, {}, {1, 0, 0}, false);
+  const VectorXd diagonal = mass_.diagonal();
   massless_.resize(system_.n_unknowns(), system_.n_unknowns());
-  for (Eigen::Index k = 0; k < mass.size(); ++k) {
-    if (mass[k] == 0) massless_.insert(k, k) = nearly_massless * largest;
+  for (Eigen::Index k = 0; k < diagonal.size(); ++k) {
+    if (diagonal[k] != 0) continue;
+    const double part = nearly_massless * diagonal.maxCoeff();
+    massless_.insert(k, k) = part;
+    mass_.coeffRef(k, k) += part;
   }
+  mass_.prune(0.0);
 }
 
 template <int D>
 void ConsistentForcesIn<D>::factor(const assembly::StateIn<D>& state) {
-  if (massless_.size() == 0) find_massless(state);
+  if (massless_.size() == 0) find_masses(state);
   const Eigen::SparseMatrix<double>& A = masses_and_constraints(system_, matrix_, state, scale_);
   const bool all_massive = massless_.nonZeros() == 0;
   factored_ = kept_.factor(all_massive ? A : (regular_ = A + massless_));
@@ -67,28 +73,32 @@ void ConsistentForcesIn<D>::substitute(const assembly::StateIn<D>& state, Vector
   changes_.correct(state, x, again);
 }
 
-/// Equation of motion and accelerations of the constraints, linear in v̇ and λ by A.
+/// `product` := A x. Accelerations of the constraints are linear where `still` does not move.
 template <int D>
-void ConsistentForcesIn<D>::evaluate(const assembly::StateIn<D>& state, VectorXd& sides) {
-  system_.evaluate(state, {}, r_, phi_);
-  system_.constraint_acceleration(state, c_);
-  sides.head(system_.n_free()) = r_.head(system_.n_free());
-  sides.tail(c_.size()) = scale_ * c_;
+void ConsistentForcesIn<D>::multiply(assembly::StateIn<D>& still, const VectorXd& x, VectorXd& product) {
+  const auto w = x.head(system_.n_free());
+  multipliers_ = scale_ * x.tail(c_.size());
+  r_.setZero();
+  assembly::add_constraint_forces_on_nodes(system_, still, multipliers_, r_);
+  assembly::add_constraint_forces_on_scalars<D>(system_, still, multipliers_, r_.tail(system_.n_scalars()));
+  still.v_dot.head(w.size()) = w;
+  system_.constraint_acceleration(still, c_);
+  product.head(w.size()) = mass_ * w + r_.head(w.size());
+  product.tail(c_.size()) = scale_ * c_;
 }
 
 /// Equation (3). @return false where it contracts slowly
 template <int D>
 bool ConsistentForcesIn<D>::refine(const assembly::StateIn<D>& state, const VectorXd& b, VectorXd& x) {
-  VectorXd here(x.size()), dx(x.size());
-  evaluate(state, here);
+  VectorXd dx(x.size());
+  still_ = state;
+  still_.v.setZero();
+  still_.v_dot.setZero();
   double last = x.norm();
   const double tolerance = refined * (1 + last);
   for (int k = 0; k < most_refinements; ++k) {
-    moved_ = state;
-    moved_.v_dot.head(system_.n_free()) += x.head(system_.n_free());
-    moved_.multipliers += scale_ * x.tail(c_.size());
-    evaluate(moved_, dx);
-    dx = b - (dx - here) - massless_ * x;
+    multiply(still_, x, dx);
+    dx = b - dx;
     substitute(state, dx, true);
     const double size = dx.norm();
     x += dx;
@@ -132,32 +142,75 @@ const assembly::StateIn<D>& ConsistentForcesIn<D>::of(const assembly::StateIn<D>
   return consistent_;
 }
 
+/// Nodes whose frames the constraints depend on.
+template <int D>
+std::vector<int> constrained_nodes(const assembly::SystemIn<D>& system) {
+  std::vector<bool> constrained(static_cast<std::size_t>(system.n_nodes()), !system.closures().empty());
+  for (const auto& joint : system.constraints()) {
+    for (const int node : {joint.node_a(), joint.node_b()}) {
+      if (node >= 0) constrained[static_cast<std::size_t>(node)] = true;
+    }
+  }
+  std::vector<int> nodes;
+  for (int node = 0; node < system.n_nodes(); ++node) {
+    if (constrained[static_cast<std::size_t>(node)]) nodes.push_back(node);
+  }
+  return nodes;
+}
+
 template <int D>
 ConsistentForceSlopesIn<D>::ConsistentForceSlopesIn(const assembly::SystemIn<D>& system,
                                                     const std::vector<VariationIn<D>>& variations)
     : system_(system),
       variations_(variations),
+      nodes_(constrained_nodes(system)),
       forces_(system),
-      with_(system.n_velocities()),
-      without_(system.n_velocities()),
-      phi_(system.n_constraints()),
+      multipliers_(system.n_constraints()),
+      r_(system.n_velocities()),
       c_(system.n_constraints()) {}
 
-/// Equation (1) of assembly/equations.hpp with and without the change: nothing but masses and constraints is
-/// left.
+/// Masses in the axes of the nodes are constant, so that one state gives their derivatives.
 template <int D>
-VectorXd ConsistentForceSlopesIn<D>::evaluate(const assembly::SystemIn<D>& model,
-                                              assembly::StateIn<D> state) {
-  VectorXd sides(model.n_unknowns());
-  auto c = sides.tail(model.n_constraints());
+void ConsistentForceSlopesIn<D>::find_mass_slopes(const assembly::StateIn<D>& state) {
+  const auto mass = [&](const assembly::SystemIn<D>& model) {
+    return model.tangent(state, {}, {1, 0, 0}, false);
+  };
+  for (const VariationIn<D>& p : variations_) {
+    mass_slopes_.push_back((mass(*p.plus) - mass(*p.minus)) / p.spread());
+    mass_slopes_.back().prune(0.0);
+  }
+}
+
+/// Takes the constrained nodes and the scalar coordinates of `there` from `state` along column k.
+template <int D>
+void ConsistentForceSlopesIn<D>::move(const assembly::StateIn<D>& state, const StateDerivative& derivative,
+                                      Eigen::Index k, double amount, assembly::StateIn<D>& there) const {
+  constexpr int n = geometry::freedoms<D>;
+  const auto position = derivative.position.col(k), velocity = derivative.velocity.col(k),
+             v_dot = derivative.v_dot.col(k);
+  const auto rates = [&](Eigen::Index first, Eigen::Index size) {
+    there.v.segment(first, size) = state.v.segment(first, size) + amount * velocity.segment(first, size);
+    there.v_dot.segment(first, size) = state.v_dot.segment(first, size) + amount * v_dot.segment(first, size);
+  };
+  for (const int node : nodes_) {
+    const geometry::Twist<D> h = amount * position.template segment<n>(n * node);
+    there.frames[node] = state.frames[node] * geometry::exponential<D>(h);
+    rates(n * node, n);
+  }
+  there.s = state.s + amount * position.tail(system_.n_scalars());
+  rates(system_.scalar_offset(), system_.n_scalars());
+}
+
+/// Φ_qᵀ (λ̃ − λ), and c with w.
+template <int D>
+void ConsistentForceSlopesIn<D>::constrain(const assembly::SystemIn<D>& model,
+                                           const assembly::StateIn<D>& state, double factor, VectorXd& x) {
+  r_.setZero();
+  assembly::add_constraint_forces_on_nodes(model, state, multipliers_, r_);
+  assembly::add_constraint_forces_on_scalars<D>(model, state, multipliers_, r_.tail(model.n_scalars()));
   model.constraint_acceleration(state, c_);
-  model.evaluate(state, {}, with_, phi_);
-  state.v_dot.head(model.n_free()) -= forces_.change().head(model.n_free());
-  state.multipliers -= forces_.scale() * forces_.change().tail(model.n_constraints());
-  model.evaluate(state, {}, without_, phi_);
-  sides.head(model.n_free()) = (with_ - without_).head(model.n_free());
-  c = forces_.scale() * c_;  // Φ_q (w − v̇) is part of it, for the state has w
-  return sides;
+  x.head(model.n_free()) += factor * r_.head(model.n_free());
+  x.tail(c_.size()) += factor * forces_.scale() * c_;
 }
 
 /// False for the columns of parameters that the motion does not depend on, such as places of sensors.
@@ -172,15 +225,22 @@ void ConsistentForceSlopesIn<D>::find(const assembly::StateIn<D>& state, const a
   state_ = &forces_.of(state, &loads);
   derivative_ = derivative;
   if (state_ == &state || derivative.size() == 0) return;
+  if (mass_slopes_.empty()) find_mass_slopes(state);
+  const auto dw = forces_.change().head(system_.n_free());
+  multipliers_ = forces_.scale() * forces_.change().tail(system_.n_constraints());
+  moved_ = *state_;
   for (Eigen::Index k = 0; k < derivative.size(); ++k) {
     if (!moves(derivative, k)) continue;
     const VariationIn<D>& p = variations_[static_cast<std::size_t>(k)];
-    VectorXd x = (evaluate(*p.minus, moved(system_, *state_, derivative, k, p.down)) -
-                  evaluate(*p.plus, moved(system_, *state_, derivative, k, p.up))) /
-                 p.spread();
-    forces_.solve(state, x);
-    derivative_.v_dot.col(k).head(system_.n_free()) += x.head(system_.n_free());
-    derivative_.multipliers.col(k) += forces_.scale() * x.tail(system_.n_constraints());
+    x_.setZero(system_.n_unknowns());
+    move(*state_, derivative, k, p.up, moved_);
+    constrain(*p.plus, moved_, -1 / p.spread(), x_);
+    move(*state_, derivative, k, p.down, moved_);
+    constrain(*p.minus, moved_, 1 / p.spread(), x_);
+    x_.head(system_.n_free()) -= mass_slopes_[static_cast<std::size_t>(k)] * dw;
+    forces_.solve(state, x_);
+    derivative_.v_dot.col(k).head(system_.n_free()) += x_.head(system_.n_free());
+    derivative_.multipliers.col(k) += forces_.scale() * x_.tail(system_.n_constraints());
   }
 }
 

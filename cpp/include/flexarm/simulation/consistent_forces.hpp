@@ -13,8 +13,12 @@
 ///
 ///     A (w − v̇, λ̃ − λ) = −(r, c),   A = [M  Φ_qᵀ; Φ_q  0]                                            (2)
 ///
-/// Internal forces are those of the positions and stay as they are. Derivatives by a parameter follow from
-/// the difference of (2) in its two models, with the derivative of r as zero.
+/// Internal forces are those of the positions and stay as they are. With the derivative of r as zero and M
+/// constant, derivatives by a parameter p follow from
+///
+///     A d(w − v̇, λ̃ − λ)/dp = −(dM/dp (w − v̇) + d/dp [Φ_qᵀ] (λ̃ − λ), d/dp [Φ_q] w + dγ/dp)            (4)
+///
+/// whose total derivatives d/dp of constraints are differences of the two models of p.
 /// `TransientOptions::consistent_forces` leaves it out.
 ///
 /// One factorisation A₀ serves (2) while the arm moves. Where solvers/tangent_changes.hpp does not follow
@@ -60,23 +64,24 @@ class ConsistentForcesIn {
   void solve(const assembly::StateIn<D>& state, VectorXd& x);
 
  private:
-  void find_massless(const assembly::StateIn<D>& state);
+  void find_masses(const assembly::StateIn<D>& state);
   void factor(const assembly::StateIn<D>& state);
   void substitute(const assembly::StateIn<D>& state, VectorXd& x, bool again = false);
   bool refine(const assembly::StateIn<D>& state, const VectorXd& b, VectorXd& x);
-  void evaluate(const assembly::StateIn<D>& state, VectorXd& sides);
+  void multiply(assembly::StateIn<D>& still, const VectorXd& x, VectorXd& product);
 
   const assembly::SystemIn<D>& system_;
   double scale_;
   assembly::IterationMatrixIn<D> matrix_;
   Eigen::SparseMatrix<double> regular_;
   Eigen::SparseMatrix<double> massless_;  // what coordinates without mass get
+  Eigen::SparseMatrix<double> mass_;      // with it
   const solvers::WeldsIn<D> none_;        // rigid joints have their multipliers
   solvers::TangentChangesIn<D> changes_;
   bool factored_ = false;
   solvers::KeptFactor kept_;
-  VectorXd c_, change_, r_, phi_;
-  assembly::StateIn<D> consistent_, moved_;
+  VectorXd c_, change_, r_, phi_, multipliers_;
+  assembly::StateIn<D> consistent_, still_;
 };
 
 /// The same, and derivatives of w and λ̃ with respect to parameters.
@@ -93,13 +98,20 @@ class ConsistentForceSlopesIn {
   const StateDerivative& derivative() const { return derivative_; }
 
  private:
-  /// The left side of (2) times its solution, and c, in one of the models.
-  VectorXd evaluate(const assembly::SystemIn<D>& model, assembly::StateIn<D> state);
+  void find_mass_slopes(const assembly::StateIn<D>& state);
+  void move(const assembly::StateIn<D>& state, const StateDerivative& derivative, Eigen::Index k,
+            double amount, assembly::StateIn<D>& there) const;
+  void constrain(const assembly::SystemIn<D>& model, const assembly::StateIn<D>& state, double factor,
+                 VectorXd& x);
 
   const assembly::SystemIn<D>& system_;
   const std::vector<VariationIn<D>> variations_;
+  const std::vector<int> nodes_;  // of the constraints
   ConsistentForcesIn<D> forces_;
-  VectorXd with_, without_, phi_, c_;
+  std::vector<Eigen::SparseMatrix<double>> mass_slopes_;  // dM/dp, free rows
+  VectorXd multipliers_;                                  // λ̃ − λ
+  VectorXd r_, c_, x_;
+  assembly::StateIn<D> moved_;
   const assembly::StateIn<D>* state_ = nullptr;
   StateDerivative derivative_;
 };
