@@ -8,6 +8,7 @@ from loops import flexible_crane as crane
 import flexarm
 from flexarm import Arm, Record
 from flexarm.arm.parameter import with_value
+from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.noise_model import with_fine_step
 from flexarm.diagnosis.problem import Problem
 from flexarm.validation.sensor_check import check
@@ -21,6 +22,10 @@ KEYS = (
 PIN = {"name": "coulomb_friction", "at": "boom_pin", "torque": 800.0}
 EYE = {"name": "coulomb_friction", "at": "rod_eye", "torque": 1500.0}
 SOFT_PIN = {"name": "joint_radial_compliance", "at": "boom_pin", "stiffness": 1e7, "damping": 1e4}
+OIL = {"name": "oil_column", "at": "piston", "bulk_modulus": 1.2e9, "piston_area": 5e-3, "ring_area": 2.5e-3}
+OIL |= {"dead_volume": 3e-4, "stroke": 0.8, "damping": 2e4}
+CUSHION = {"name": "end_cushion", "at": "piston", "low": 0.0, "high": 0.47, "stiffness": 1e8, "length": 0.06}
+CUSHION |= {"damping": 2e5}
 COMPLIANCE = {"name": "joint_compliance", "at": "piston", "stiffness": 4e6, "damping": 2e4}
 
 
@@ -185,3 +190,30 @@ def test_what_a_crane_hides_is_named_or_among_what_the_data_cannot_part_from_it(
         (effect.name, effect.at),
         *((each.name, each.at) for each in effect.alternatives),
     ]
+
+
+@pytest.mark.parametrize(
+    ("stated", "key", "true"),
+    [(OIL, "bulk_modulus", 5e8), (CUSHION, "damping", 4e4)],
+    ids=["air in the oil", "worn throttle"],
+)
+def test_a_cylinder_that_is_not_as_stated_is_named(stated, key, true):
+    """The model states oil and cushion, of which the machine has one otherwise."""
+    model = crane(effects=[OIL, CUSHION])
+    effects = [{**each, key: true} if each is stated else each for each in (OIL, CUSHION)]
+    truth = crane(effects=effects)
+    found = flexarm.diagnose(model, {"slow": record(truth, 1.5, 3)}, hold_out=record(truth, 3.0, 103))
+    [effect] = found.effects
+    assert (found.verdict, effect.name, effect.at) == ("effects", stated["name"], "piston")
+    [size] = [each for each in effect.parameters if each.name == key]
+    assert size.value == pytest.approx(true, abs=3 * size.std)
+    assert size.std < 0.1 * true
+
+
+def test_oil_and_cushions_are_sought_where_the_model_states_them():
+    """At other joints a compliance stands for oil; ends that nobody states are anywhere."""
+    sought = [
+        {(c.name, c.at) for c in candidates(Problem(arm, {"slow": record(crane(), 1.5, 3)}), arm)}
+        for arm in (crane(), crane(effects=[OIL, CUSHION]))
+    ]
+    assert sought[1] - sought[0] == {("oil_column", "piston"), ("end_cushion", "piston")}

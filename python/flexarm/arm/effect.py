@@ -133,6 +133,10 @@ class Effect(EffectTraits):
         """Plausible values of every parameter, named as `parameters` spells them."""
         return {}
 
+    def stated_priors(self, arm: Arm) -> dict[str, Prior]:
+        """Return priors about this effect as a model states it, in place of those of other machines."""
+        return {}
+
     def derivative(self, parameter: str) -> Derivative:
         """Return which derivative predictions have with respect to a parameter.
 

@@ -28,6 +28,8 @@ class EffectTraits(Table):
     """
     pins_of_loops_only: ClassVar[bool] = False
     """True if it is sought only at joints and closures that turn in closed loops, whose pins carry much."""
+    stated_only: ClassVar[bool] = False
+    """True if it is sought only where a model states it, as what only its maker's drawing tells."""
     at_closures: ClassVar[tuple[str, ...]] = ()
     """Types of closures at which it acts, too: about the axis, along it, or in the bearing."""
     sought_of_commands: ClassVar[tuple[str, ...]] = ()

@@ -25,7 +25,6 @@ from flexarm.arm.joint_units import priors_in
 from flexarm.arm.link import Beam, RigidLink
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
-from flexarm.arm.spring_effect import SpringEffect
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import drive_clock
@@ -86,6 +85,8 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
             return pins_of_loops(arm)
         joints = [joint.name for joint in arm.joints if joint.moves]
         joints += [closure.name for closure in arm.closures if closure.type in kind.at_closures]
+        if kind.stated_only:
+            joints = [joint for joint in joints if arm.effect(kind.name, joint) is not None]
         if kind.torque_at == "motor":
             shown = {s.joint for s in signals if s.quantity == "motor_torque"}
             shown |= commanded(records) & {controller.joint for controller in arm.controllers}
@@ -220,7 +221,7 @@ def _at_place(
 
 
 def _stated(kind: type[Effect], at: str, arm: Arm, problem: Problem) -> dict[str, Prior]:
-    """Priors that follow from the records, and of springs from the model."""
+    """Priors that follow from the records, and from what the model states."""
     if issubclass(kind, SignalEffect) and not kind.of_drives:
         rows = [row for row in problem.rows if row.signal == at]
         signals = [problem.records[row.record].signals[at] for row in rows]
@@ -229,8 +230,8 @@ def _stated(kind: type[Effect], at: str, arm: Arm, problem: Problem) -> dict[str
         return kind.priors_from(greatest, max(row.sigma for row in rows), signals[0].unit)
     if issubclass(kind, ClockEffect):
         return kind.command_priors() if at in late_commands(problem) else {}
-    spring = arm.effect(kind.name, at)
-    return spring.stated_priors(arm) if isinstance(spring, SpringEffect) else {}
+    stated = arm.effect(kind.name, at)
+    return {} if stated is None else stated.stated_priors(arm)
 
 
 def _has(effect: Effect, key: str) -> bool:

@@ -123,6 +123,7 @@ def unseen_effects(problem: Problem, arm: Arm) -> tuple[str, ...]:
     """Return the effects of the vocabulary that have no place in these records and this model."""
     poses = all(record.kind == "static" for record in problem.records.values())
     kinds = [kind for kind in map(effect_class, KNOWN_EFFECTS) if kind.competes]
+    kinds = [kind for kind in kinds if not kind.stated_only]
     kinds = [kind for kind in kinds if arm.closures or not kind.pins_of_loops_only]
     return tuple(
         kind.name

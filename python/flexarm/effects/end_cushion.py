@@ -12,13 +12,15 @@ bare stops. A mass m that enters a cushion with a rate v reaches the end with v 
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from pydantic import model_validator
 
 from flexarm.arm.closure import PINNED
-from flexarm.arm.effect import Derivative, Effect
-from flexarm.arm.prior import Prior
+from flexarm.arm.effect import Derivative, Effect, Trial
+from flexarm.arm.joint_units import priors_in
+from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.tables import Inconsistent, Number, value_in
 
 if TYPE_CHECKING:
@@ -33,7 +35,7 @@ class EndCushion(Effect):
     """
 
     name: ClassVar[str] = "end_cushion"
-    competes = False
+    stated_only = True
     torque_at = "output"
     at_closures = PINNED
     smooth = False
@@ -71,6 +73,25 @@ class EndCushion(Effect):
     def derivative(self, parameter: str) -> Derivative:
         """Return "smooth": the torque is continuous in all of them."""
         return "smooth"
+
+    def trials(
+        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
+    ) -> Iterator[Trial]:
+        """Yield ends as the drawing has them: a cushion wears or is screwed to another throttle."""
+        yield Trial(fixed={name: value for name, value, _ in self.parameters() if name != "damping"})
+
+    def probes(
+        self, stated: Effect | None, free: Sequence[str], null: Values, priors: Priors
+    ) -> Iterator[Self]:
+        """Yield a cushion that throttles half as much; none where the model states bare stops."""
+        if null["damping"]:
+            yield self.with_parameters({"damping": 0.5 * null["damping"]})
+
+    def stated_priors(self, arm: Arm) -> dict[str, Prior]:
+        """Return the prior about the damping that the model states: its screw and wear change it tenfold."""
+        c, unit = self.damping, priors_in(self, arm)["damping"].unit
+        wear = "engineering judgement: cushions are set by a screw and lose by wear"
+        return {"damping": Prior(c / 10, 10 * c, c, "log", unit, wear)} if c else {}
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From ends near half a turn, heads of steel, and cushions that stop a link within their length."""

@@ -17,10 +17,12 @@ References
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, ClassVar, Self
 
-from flexarm.arm.effect import Effect
-from flexarm.arm.prior import Prior
+from flexarm.arm.effect import Effect, Trial
+from flexarm.arm.joint_units import priors_in
+from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -36,7 +38,11 @@ class OilColumn(Effect):
     """
 
     name: ClassVar[str] = "oil_column"
-    competes = False
+    softer: ClassVar[float] = 1.5
+    """Factor by which the oil is probed softer than stated."""
+    stated_only = True
+    shape = ("damping",)
+    in_motion = ("damping",)
     varies_with = "torque"
     bulk_modulus: Number = value_in("Pa", "bulk modulus of the oil with air and hoses", gt=0)
     piston_area: Number = value_in("m3/rad", "area of the piston", gt=0)
@@ -59,6 +65,42 @@ class OilColumn(Effect):
             stroke=self.stroke,
             damping=self.damping,
         )
+
+    def trials(
+        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
+    ) -> Iterator[Trial]:
+        """Yield the cylinder as its drawing has it: air in the oil changes beta and c alone."""
+        sought = ("bulk_modulus", "damping") if self.damping else ("bulk_modulus",)
+        yield Trial(fixed={name: value for name, value, _ in self.parameters() if name not in sought})
+
+    def probes(
+        self, stated: Effect | None, free: Sequence[str], null: Values, priors: Priors
+    ) -> Iterator[Self]:
+        """Yield oil with so much air that it is softer by a half: 1/k of (1) is linear in 1/beta."""
+        yield self.with_parameters({"bulk_modulus": null["bulk_modulus"] / self.softer})
+
+    def sized(
+        self,
+        multiples: Sequence[float],
+        probes: Sequence[Effect],
+        null: Values,
+        stated: Effect | None,
+        least: float,
+    ) -> dict[str, float]:
+        """Return the bulk modulus of a multiple of its probe's flexibility."""
+        rigid = 1.0 / null["bulk_modulus"]
+        soft = rigid + multiples[0] * (self.softer - 1.0) * rigid
+        return {"bulk_modulus": 1.0 / max(soft, least * rigid)}
+
+    def stated_priors(self, arm: Arm) -> dict[str, Prior]:
+        """Return priors about what the model states: oil is softer with air, and hardly ever stiffer."""
+        beta, c, usual = self.bulk_modulus, self.damping, priors_in(self, arm)
+        air = "handbooks: entrapped air and hoses take up to four fifths of the bulk modulus"
+        found = {"bulk_modulus": Prior(beta / 5, 1.5 * beta, beta, "log", "Pa", air)}
+        if c:
+            unit, loss = usual["damping"].unit, "engineering judgement: leakage differs tenfold"
+            found["damping"] = Prior(c / 10, 10 * c, c, "log", unit, loss)
+        return found
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From a small to a large actuator; areas of cylinders are of the same size as volumes per radian."""
