@@ -137,7 +137,7 @@ def test_virtual_records_hold_the_drive_and_not_what_the_motor_made_of_it() -> N
     assert record.signals["turned"].values[:, 0] == pytest.approx(
         lagged(drive.joints["hinge"], 0.0, TAU)(time), abs=1e-6
     )
-    by_command = sensed(run, late, ["hinge"], 0)
+    by_command = sensed(run, late, drive, 0)
     assert by_command.signals["hinge"].quantity == "joint_angle"
     assert by_command.signals["hinge"].values[:, 0] == pytest.approx(
         drive.joints["hinge"](run.time), abs=1e-12

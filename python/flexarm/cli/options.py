@@ -112,28 +112,40 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
     from flexarm.arm.joint import shaft_ratio
     from flexarm.arm.sizes import LONGEST
 
+    values = numbers_by_joint(arm, model, given, "--joint", "NAME=RAD")
+    for name, value in values.items():
+        turns = abs(value) / (2 * math.pi)
+        if arm.joint(name).type == "revolute" and turns > shaft_ratio(name, arm.gears):
+            what = f"{value:g} rad are {turns:.3g} turns; angles are in radians"
+            warn(Path("command line"), [Problem(f"--joint {name}", what)])
+        elif arm.joint(name).type == "prismatic" and abs(value) > LONGEST:
+            what = f"{value:g} m are further than any arm reaches; lengths are in m, not in mm"
+            warn(Path("command line"), [Problem(f"--joint {name}", what)])
+    return values
+
+
+def numbers_by_joint(
+    arm: Arm, model: Path, given: list[str] | None, option: str, form: str
+) -> dict[str, float]:
+    """Return the numbers of an option of a form such as NAME=RAD.
+
+    Raise InvalidFile if one is not of that form, names no moving joint, or names one twice.
+    """
     joints = [joint.name for joint in arm.moving_joints]
     values: dict[str, float] = {}
     for text in given or ():
         name, equals, number = text.partition("=")
         name = name.strip()
         if not equals or not _is_finite(number):
-            what = f"must be NAME=RAD such as {joints[0] if joints else 'hinge'}=0.5, got {text!r}"
-            raise InvalidFile("command line", "--joint", what)
+            what = f"must be {form} such as {joints[0] if joints else 'hinge'}=0.5, got {text!r}"
+            raise InvalidFile("command line", option, what)
         if name not in joints:
             from flexarm.arm.consistency import missing
 
-            raise InvalidFile(model, "--joint", missing("moving joint", name, joints))
+            raise InvalidFile(model, option, missing("moving joint", name, joints))
         if name in values:
-            raise InvalidFile("command line", "--joint", f"joint {name!r} is given twice")
+            raise InvalidFile("command line", option, f"joint {name!r} is given twice")
         values[name] = float(number)
-        turns = abs(values[name]) / (2 * math.pi)
-        if arm.joint(name).type == "revolute" and turns > shaft_ratio(name, arm.gears):
-            what = f"{values[name]:g} rad are {turns:.3g} turns; angles are in radians"
-            warn(Path("command line"), [Problem(f"--joint {name}", what)])
-        elif arm.joint(name).type == "prismatic" and abs(values[name]) > LONGEST:
-            what = f"{values[name]:g} m are further than any arm reaches; lengths are in m, not in mm"
-            warn(Path("command line"), [Problem(f"--joint {name}", what)])
     return values
 
 

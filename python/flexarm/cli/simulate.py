@@ -7,7 +7,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Force, Model, Out, Step, blame, load_arm, refuse_step, warn
+from flexarm.cli.options import (
+    AllowOutside,
+    Force,
+    JointValues,
+    Model,
+    Out,
+    Step,
+    blame,
+    joint_values,
+    load_arm,
+    numbers_by_joint,
+    refuse_step,
+    warn,
+)
 from flexarm.cli.records import load_record
 from flexarm.errors import InvalidFile
 
@@ -26,6 +39,17 @@ Alpha = Annotated[
 Forces = Annotated[
     bool, typer.Option("--forces", help="Add section forces and base reactions to simulation.nc.")
 ]
+Rates = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--rate",
+        metavar="NAME=RATE",
+        help="Let go of a joint that nothing drives, at this rate [rad/s, m/s if prismatic]; repeat it.",
+    ),
+]
+Moving = Annotated[
+    bool, typer.Option("--moving", help="Begin at the first rates of the drive; --rate does so, too.")
+]
 Seed = Annotated[int, typer.Option("--seed", min=0, metavar="N", help="Seed of the sensors' noise.")]
 
 
@@ -36,6 +60,9 @@ def simulate(
     step: Step = 2e-3,
     alpha: Alpha = -0.05,
     forces: Forces = False,
+    joint: JointValues = None,
+    rate: Rates = None,
+    moving: Moving = False,
     seed: Seed = 0,
     force: Force = False,
     allow_outside: AllowOutside = False,
@@ -45,10 +72,12 @@ def simulate(
     Writes simulation.nc and a record of what the sensors saw. DRIVE is a record, whose signals are then
     simulated at their instants without noise, or a CSV file with time_s and one column per driven joint,
     named after it: output side [rad, m if prismatic], joined by a cubic spline, held before and after. The
-    run starts at rest in equilibrium under the first value. Without sensors in the model the record holds
-    every point's position, one row a step.
+    run starts at rest in equilibrium under the first value, or in motion (--moving, --rate); other joints
+    stand where --joint says. Without sensors in the model the record holds every point's position, one row a
+    step.
 
         flexarm simulate arm.toml --drive swing.csv --out run
+        flexarm simulate crane.toml --drive lift.csv --joint swing=0.1 --rate swing=0 --out run
         flexarm simulate arm.toml --drive measured --out virtual --step 0.001 --forces
     """
     arm = load_arm(model)
@@ -61,14 +90,23 @@ def simulate(
     from flexarm.record.compatibility import unplaced_effects
     from flexarm.record.save import write
 
+    rests = joint_values(arm, model, joint)
+    rates = numbers_by_joint(arm, model, rate, "--rate", "NAME=RATE")
     record = _record(drive, arm)
+    if record is not None and (rests or rates or moving):
+        what = (
+            "says itself where joints stand and how it begins; a CSV file takes --joint, --rate and --moving"
+        )
+        raise InvalidFile("command line", "--drive", f"is a record, which {what}")
     read = input_files(model, arm, {} if record is None else {"": record})
     with output_directory(out, force, [drive, *read.values()], ["record.toml", "simulation.nc"]) as directory:
-        motion = _motion(drive, arm, record)
+        motion = _motion(drive, arm, record, bool(rates))
+        if rests or rates or moving:
+            motion = _begun(motion, rests, rates, moving)
         _refuse_endless(motion, step)
         with blame(model):
             run = _run(arm, motion, record, step, alpha, forces)
-            seen = sensed(run, arm, motion.joints, seed) if record is None else simulated(record, run, arm)
+            seen = sensed(run, arm, motion, seed) if record is None else simulated(record, run, arm)
         if record is None and not arm.sensors:  # with sensors or a record it has been said already
             warn(model, unplaced_effects(seen, arm))
         run.save(directory / "simulation.nc")
@@ -83,17 +121,33 @@ def _record(drive: Path, arm: Arm) -> Record | None:
     return load_record(drive, arm)
 
 
-def _motion(drive: Path, arm: Arm, record: Record | None) -> Motion:
-    """Return the motion of the joints."""
-    from flexarm.drive import Drive as Motion
+def _motion(drive: Path, arm: Arm, record: Record | None, idle: bool) -> Motion:
+    """Return the motion of the joints; where others are let go a CSV file may drive none."""
     from flexarm.drive.doubts import doubts
+    from flexarm.drive.drive import Drive as Motion
+    from flexarm.drive.drive import samples_in
 
     with blame(drive):
         if record is not None:
             return Motion.from_record(record, arm)
-        found = Motion.from_csv(drive, arm)
+        found = Motion.from_samples(*samples_in(drive, arm, idle))
     warn(drive, doubts(found, arm))
     return found
+
+
+def _begun(motion: Motion, rests: dict[str, float], rates: dict[str, float], moving: bool) -> Motion:
+    """Return a motion in which other joints stand somewhere, or are let go with rates."""
+    from dataclasses import replace
+
+    for option, values in (("--joint", rests), ("--rate", rates)):
+        for name in motion.joints.keys() & values.keys():
+            what = f"the drive moves {name!r} from its first row on; allowed are joints without a column"
+            raise InvalidFile("command line", option, what)
+    ends = [motion.start, motion.end]
+    free = motion.from_samples(ends, dict.fromkeys(rates, (0.0, 0.0)), side="torque")
+    return replace(
+        motion, joints={**motion.joints, **free.joints}, rest=rests, rates=rates if rates or moving else None
+    )
 
 
 def _refuse_endless(motion: Motion, step: float) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +16,7 @@ from flexarm.record import Clock, Record, Signal
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.comparison.simulated_record import Placement
+    from flexarm.drive import Drive
     from flexarm.simulation import Simulation
 
 
@@ -24,15 +24,17 @@ CLOCK = "clock"
 """The reference clock of a virtual measurement that is told nothing of clocks."""
 
 
-def sensed(run: Simulation, arm: Arm, driven: Iterable[str], seed: int) -> Record:
+def sensed(run: Simulation, arm: Arm, motion: Drive, seed: int) -> Record:
     """Return the readings of the sensors of the model in a run, with noise of a seed.
 
-    Without sensors every point's position is stored, one row a step. The drive of each `driven` joint becomes
-    a joint_angle signal: what an encoder of that name shows, without noise.
+    Without sensors every point's position is stored, one row a step. The drive of each joint that is driven
+    or let go becomes a joint_angle signal: what an encoder of that name shows, without noise.
     """
     seen = measure(run, arm.sensors, np.random.default_rng(seed)) if arm.sensors else _every_point(run)
-    drives = [_drive(run, joint, dict(seen.signals)) for joint in driven]
+    drives = [_drive(run, joint, dict(seen.signals)) for joint in motion.joints]
     return seen.replace(
+        joints={name: value for name, value in motion.rest.items() if name not in motion.joints},
+        initial="equilibrium" if motion.rates is None else "moving",
         signals={**{signal.name: signal for signal in drives}, **seen.signals},
         drive=tuple(signal.name for signal in drives),
         description=f"simulation of {arm.name}",

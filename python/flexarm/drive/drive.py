@@ -149,8 +149,8 @@ class Drive:
         return replace(self, joints=joints)
 
 
-def samples_in(path: str | Path, arm: Arm) -> tuple[Floats, dict[str, Floats]]:
-    """Return times [s] and samples by joint.
+def samples_in(path: str | Path, arm: Arm, idle: bool = False) -> tuple[Floats, dict[str, Floats]]:
+    """Return times [s] and samples by joint; where all joints may be `idle`, times alone will do.
 
     Raise InvalidFile with line and column of what is wrong.
     """
@@ -163,7 +163,7 @@ def samples_in(path: str | Path, arm: Arm) -> tuple[Floats, dict[str, Floats]]:
         if name not in moving:
             what = f"is no moving joint of the model; there are {', '.join(moving)}"
             raise InvalidFile(path, f"column {name}", what)
-    if not names:
+    if not names and not idle:
         raise InvalidFile(path, "header", f"drives no joint; add a column named {' or '.join(moving)}")
     rows = table.numbers(["time_s", *names])
     if len(rows) < 2:
