@@ -49,6 +49,29 @@ def test_an_arm_cannot_be_changed_in_place(model_file: Path) -> None:
     assert len({arm, Arm.from_toml(model_file)}) == 1
 
 
+def test_a_number_is_changed_by_its_key(model_file: Path) -> None:
+    arm = Arm.from_toml(model_file)
+    heavier = arm.with_value("payloads.load.mass", 5)
+    assert heavier.payload("load").mass == 5 and arm.payload("load").mass != 5
+    assert heavier.with_value("payloads.load.mass", arm.payload("load").mass) == arm
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "message"),
+    [
+        ("payloads.lod.mass", 5, "lod"),
+        ("payloads.load.mass", -5, "mass.*at least 0, got -5"),
+        ("payloads.load.mass", "5 kg", "value: must be a number, got '5 kg'"),
+        ("payloads.load.position", 5, "must name one number.*position.x, .*position.y"),
+    ],
+)
+def test_a_number_that_cannot_be_changed_is_refused(
+    key: str, value: Any, message: str, model_file: Path
+) -> None:
+    with pytest.raises(InvalidParameter, match=message):
+        Arm.from_toml(model_file).with_value(key, value)
+
+
 def test_an_arm_crosses_process_borders(model_file: Path) -> None:
     arm = Arm.from_toml(model_file)
     assert pickle.loads(pickle.dumps(arm)) == arm

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, SerializeAsAny, model_validator
 
-from flexarm.arguments import PATH, TABLES, TEXT, VALUES, takes
+from flexarm.arguments import NUMBER, PATH, TABLES, TEXT, VALUES, takes
 from flexarm.arm.attachment import Payload, Point
 from flexarm.arm.closure import Closure
 from flexarm.arm.consistency import inconsistencies, missing
@@ -23,7 +25,7 @@ from flexarm.arm.sensor import Sensor
 from flexarm.arm.uncertainty import flat_keys, sigma_of, uncertainty_problems
 from flexarm.arm.urdf import with_urdf
 from flexarm.errors import InvalidParameter, Problem
-from flexarm.output import write_file
+from flexarm.output import place_of, write_file
 from flexarm.pictures import drawn, viewed
 from flexarm.tables import (
     FrozenDict,
@@ -160,16 +162,52 @@ class Arm(Table):
         write_file(path, self.toml_for(Path(path).parent))
 
     def toml_for(self, folder: Path, model: Path | None = None) -> str:
-        """Return the text of a model file that shall lie in a folder, with the comments of another one."""
-        data = seen_from(self.to_dict(), folder)
-        return toml_text(data) if model is None else edited_toml(read_text(model), data)
+        """Return the text of a model file that shall lie in a folder.
+
+        It is that of another model file with other values where its text can hold them.
+        """
+        found = None if model is None else self._edited(model, folder)
+        return toml_text(seen_from(self.to_dict(), folder)) if found is None else found
+
+    def _edited(self, model: Path, folder: Path) -> str | None:
+        """Return the text of a model file with the values of this arm; None where it cannot hold them."""
+        text = read_text(model)
+        with suppress(ValueError):  # of URDF files, too, which are no TOML
+            urdf = {key: value for key, value in tomllib.loads(text).items() if key == "urdf"}
+            before = {**seen_from(type(self).from_toml(model).to_dict(), model.parent), **urdf}
+            after = seen_from({**self.to_dict(), **found_from(urdf, model.parent)}, folder)
+            found = edited_toml(text, before, after)
+            read = with_urdf(found_from(tomllib.loads(found), place_of(folder)), Path())
+            return found if check_table(type(self), read) == self else None
+        return None
 
     @property
     def part_files(self) -> tuple[Path, ...]:
         """The files of its super-elements."""
         return tuple(Path(link.file) for link in self.links if link.type == "superelement")
 
-    # ---------------------------------------------------------------- effects
+    # ---------------------------------------------------------------- changes
+
+    @takes(key=TEXT, value=NUMBER)
+    def with_value(self, key: str, value: float) -> Arm:
+        """Return the arm in which one number has another value.
+
+        Parameters
+        ----------
+        key : str
+            As a key of `[uncertainty]` names it: "payloads.load.mass", "points.tip.position.x" or
+            "effects.joint_compliance.hinge.stiffness".
+        value : float
+            The new value [SI].
+
+        Raises
+        ------
+        InvalidParameter
+            If the key means nothing in this arm, or the value is not allowed.
+        """
+        from flexarm.arm.parameter import with_value
+
+        return with_value(self, key, value)
 
     def with_effect(self, effect: Effect) -> Self:
         """Return the arm with an effect; one of the same name at the same place is replaced.

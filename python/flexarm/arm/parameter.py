@@ -11,9 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isinf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flexarm.arm.arm import Arm
 from flexarm.arm.effect import Effect
 from flexarm.arm.joint_units import unit_at
 from flexarm.arm.link import Beam
@@ -21,6 +20,9 @@ from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import InvalidParameter
 from flexarm.tables import Table, component_names, unit_of
 from flexarm.tables.field import COMPONENTS
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
 
 _STEP = 3e-5
 """Step of differences in parts of the parameter's size: its square and 1e-16 over it are both near 1e-9."""
@@ -118,9 +120,13 @@ def path_of(arm: Arm, key: str) -> Path:
 def with_value(arm: Arm, key: str, value: float) -> Arm:
     """Return a copy of the arm in which one parameter has another value.
 
-    Raise InvalidParameter if the key means nothing, or the value is not allowed.
+    Raise InvalidParameter if the key means nothing or several numbers, or the value is not allowed.
     """
-    return path_of(arm, key).put(arm, float(value))
+    (name, path), *others = _paths(arm, key)
+    if others:
+        names = ", ".join(each for each, _ in [(name, path), *others])
+        raise InvalidParameter(f"must name one number, got {key!r}, which are {names}", where="key")
+    return path.put(arm, float(value))
 
 
 def neighbours(

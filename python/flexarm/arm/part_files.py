@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def found_from(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return tables of a model whose files of super-elements, named from `folder`, have absolute paths."""
+    """Return tables of a model whose URDF file and parts, named from `folder`, have absolute paths."""
     return _with_files(data, lambda file: str((folder / file).resolve()))
 
 
@@ -28,11 +28,13 @@ def seen_from(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _with_files(data: Mapping[str, Any], place: Any) -> dict[str, Any]:
-    links = data.get("links")
+    links, urdf = data.get("links"), data.get("urdf")
+    named = {"urdf": place(urdf)} if isinstance(urdf, str) else {}
     if not isinstance(links, list | tuple):
-        return dict(data)  # the check of the model says what is wrong with it
+        return {**data, **named}  # the check of the model says what is wrong with it
     return {
         **data,
+        **named,
         "links": [
             {**link, "file": place(link["file"])}
             if isinstance(link, dict)

@@ -141,4 +141,8 @@ def inline(value: Any) -> Any:
         for item in value:
             array.append(inline(item))
         return array
-    return tomlkit.item(value.item() if hasattr(value, "item") else value)  # NumPy's numbers
+    value = value.item() if hasattr(value, "item") else value  # NumPy's numbers
+    if isinstance(value, float) and 1e6 <= abs(value) < 1e16:  # as 2.1e11, in place of 210000000000.0
+        short = re.sub(r"\.?0*e\+0*", "e", f"{value:.16e}")
+        return tomlkit.value(min(repr(value), short, key=len) if float(short) == value else repr(value))
+    return tomlkit.item(value)
