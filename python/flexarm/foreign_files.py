@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 from pathlib import Path
 
@@ -33,6 +34,14 @@ OTHERS = {
     b"%PDF": "a PDF file",
 }
 """First bytes of what no command reads."""
+TAGS = {
+    "robot": "is a robot in URDF; its name must end in .urdf",
+    "mujoco": "is a robot in MJCF, as MuJoCo reads it; allowed are TOML and URDF. "
+    "`flexarm export MODEL --mjcf FILE` writes the joints of a model into it",
+    "sdf": "is a robot or world in SDF; allowed are TOML and URDF",
+    "COLLADA": "is a mesh in COLLADA, which URDF may name",
+}
+"""What XML is, by its first tag."""
 SHEETS = (".xlsx", ".xlsm", ".xlsb", ".ods")
 """Endings of spreadsheets, which are zip archives."""
 ADVICE = "`flexarm import --guess` proposes a map for it, which `flexarm import` reads (docs/importing.md)"
@@ -67,6 +76,14 @@ def table_of_text(text: str) -> str | None:
     if len(rows) < 2 or sum(count > 1 for count in rows) < 0.8 * len(rows):
         return None
     return f"is a table of numbers, such as CSV; {ADVICE}"
+
+
+def markup(text: str) -> str | None:
+    """Return a sentence on a text in XML, by its first tag, or None."""
+    tag = re.match(r"(?:\s|<\?.*?\?>|<!--.*?-->|<![^>]*>)*<([\w:.-]+)", text, re.DOTALL)
+    if tag is None:
+        return None
+    return TAGS.get(tag[1], f"is XML, <{tag[1]}>, which flexarm does not read")
 
 
 def prose(text: str) -> str | None:

@@ -1,5 +1,7 @@
 """Claims about records that import maps make of tables of text."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -424,6 +426,26 @@ def test_a_plain_text_in_place_of_a_model_is_named(tmp_path, capsys):
     said = capsys.readouterr().err
     assert "notes.txt: file: is a plain text" in said
     assert "allowed is 'flexarm-arm/1'" in said
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            '<?xml version="1.0"?>\n<!-- lab -->\n<mujoco model="arm">\n<worldbody/>\n</mujoco>',
+            "MJCF.*flexarm export",
+        ),
+        ('<robot name="arm">\n</robot>\n', "URDF; its name must end in .urdf"),
+        ("<sdf version='1.9'>\n</sdf>\n", "SDF; allowed are TOML and URDF"),
+        ("<html>\n<p>\n</html>\n", "XML, <html>, which flexarm does not read"),
+    ],
+)
+def test_a_robot_file_in_place_of_a_model_is_named(text, told, tmp_path, capsys):
+    from flexarm.cli.run import run
+
+    (tmp_path / "arm.xml").write_text(text)
+    assert run(["modes", str(tmp_path / "arm.xml")]) == 2
+    assert re.search(f"arm.xml: file: is .*{told}", capsys.readouterr().err)
 
 
 def test_a_model_with_a_typing_error_keeps_the_place_of_the_error(tmp_path, capsys):

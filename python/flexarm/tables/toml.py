@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from flexarm.errors import InvalidFile
-from flexarm.foreign_files import foreign_kind, prose, table_of_text
+from flexarm.foreign_files import foreign_kind, markup, prose, table_of_text
 from flexarm.reading import regular_file
 
 
@@ -42,7 +42,7 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
     try:
         data = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        if kind := table_of_text(text):
+        if kind := markup(text) or table_of_text(text):
             raise InvalidFile(file, "file", kind) from None
         if kind := prose(text):
             raise InvalidFile(file, "file", f"{kind}; allowed is {expected_format!r}") from None
