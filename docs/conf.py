@@ -88,7 +88,7 @@ def write_reference(app: Any) -> None:
     lines = [
         "# Python",
         "",
-        "The public names of `import flexarm`.",
+        "The public names of `import flexarm`, and the steps of a diagnosis in `flexarm.diagnosis`.",
         "",
         "```{toctree}",
         ":glob:",
@@ -97,9 +97,10 @@ def write_reference(app: Any) -> None:
         "```",
     ]
     _write("python.md", lines)
-    for name in flexarm.__all__:
-        directive = "autoclass" if inspect.isclass(getattr(flexarm, name)) else "autofunction"
-        lines = [f"# {name}", "", "```{eval-rst}", f".. {directive}:: flexarm.{name}", "```", ""]
+    modules = dict.fromkeys(flexarm.diagnosis.__all__, flexarm.diagnosis)
+    for name, module in (modules | dict.fromkeys(flexarm.__all__, flexarm)).items():
+        directive = "autoclass" if inspect.isclass(getattr(module, name)) else "autofunction"
+        lines = [f"# {name}", "", "```{eval-rst}", f".. {directive}:: {module.__name__}.{name}", "```", ""]
         _write(f"python/{name}.md", lines)
 
 

@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from flexarm.arm import Arm as Arm
+    from flexarm.arm import Sensor as Sensor
     from flexarm.calibration.policy import CalibrationPolicy as CalibrationPolicy
     from flexarm.calibration.result import Calibration as Calibration
     from flexarm.calibration.workflow import calibrate as calibrate
@@ -37,6 +38,11 @@ if TYPE_CHECKING:
     from flexarm.modal import Modes as Modes
     from flexarm.modal import modes as modes
     from flexarm.opening import load as load
+    from flexarm.record import BaseStand as BaseStand
+    from flexarm.record import CarriedPayload as CarriedPayload
+    from flexarm.record import Clock as Clock
+    from flexarm.record import DrawnLink as DrawnLink
+    from flexarm.record import Frame as Frame
     from flexarm.record import Record as Record
     from flexarm.record import Signal as Signal
     from flexarm.reduction import InterfaceSet as InterfaceSet
@@ -58,12 +64,17 @@ if TYPE_CHECKING:
 # A public name must not also be the name of a module, which would take its place once imported.
 _EXPORTS = {
     "Arm": "flexarm.arm",
+    "BaseStand": "flexarm.record",
     "Calibration": "flexarm.calibration.result",
     "CalibrationPolicy": "flexarm.calibration.policy",
     "Campaign": "flexarm.campaigns.campaign",
+    "CarriedPayload": "flexarm.record",
+    "Clock": "flexarm.record",
     "Comparison": "flexarm.comparison",
     "Diagnosis": "flexarm.diagnosis.result",
+    "DrawnLink": "flexarm.record",
     "Drive": "flexarm.drive",
+    "Frame": "flexarm.record",
     "InterfaceSet": "flexarm.reduction",
     "InvalidFile": "flexarm.errors",
     "InvalidParameter": "flexarm.errors",
@@ -75,6 +86,7 @@ _EXPORTS = {
     "Record": "flexarm.record",
     "SelectionPolicy": "flexarm.diagnosis.policy",
     "Sensitivities": "flexarm.sensitivity",
+    "Sensor": "flexarm.arm",
     "Signal": "flexarm.record",
     "Simulation": "flexarm.simulation",
     "SolidMesh": "flexarm.solids",
@@ -106,6 +118,9 @@ _EXPORTS = {
     "static": "flexarm.statics",
 }
 
+_MODULES = ("diagnosis", "effects")
+"""Public modules."""
+
 __all__ = [*_EXPORTS]
 
 
@@ -114,8 +129,8 @@ def __getattr__(name: str) -> Any:
 
     if name == "__version__":
         return import_module("flexarm.configuration").version()
-    if name == "effects":
-        return import_module("flexarm.effects")
+    if name in _MODULES:
+        return import_module(f"flexarm.{name}")
     if name in _EXPORTS:
         value = getattr(import_module(_EXPORTS[name]), name)
         globals()[name] = value
@@ -125,5 +140,5 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(
-        {*_EXPORTS, "effects", "__version__", *(name for name in globals() if name.startswith("__"))}
+        {*_EXPORTS, *_MODULES, "__version__", *(name for name in globals() if name.startswith("__"))}
     )

@@ -158,12 +158,27 @@ def test_the_signature_of_an_effect_tells_types_and_defaults() -> None:
 
 def test_completion_lists_public_names_once_and_nothing_else() -> None:
     assert [name for name in dir(flexarm) if not name.startswith("_")] == sorted(
-        [*flexarm.__all__, "effects"]
+        [*flexarm.__all__, "diagnosis", "effects"]
     )
     assert len(dir(flexarm)) == len(set(dir(flexarm)))
 
 
-def test_effects_are_there_without_an_import_of_their_own() -> None:
-    code = "import flexarm; print(flexarm.effects.Backlash.__name__)"
+def test_what_a_record_is_made_of_is_public() -> None:
+    """One had to know the modules of clocks, frames, payloads and sensors."""
+    assert {"BaseStand", "CarriedPayload", "Clock", "DrawnLink", "Frame", "Sensor"} <= set(dir(flexarm))
+
+
+def test_completion_lists_every_effect() -> None:
+    named = {"".join(map(str.capitalize, name.split("_"))) for name in flexarm.effects.KNOWN_EFFECTS}
+    assert named <= set(dir(flexarm.effects))
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("effects.Backlash", "Backlash"), *((f"diagnosis.{step}", step) for step in flexarm.diagnosis.__all__)],
+)
+def test_effects_and_steps_of_a_diagnosis_are_there_without_an_import(name: str, told: str) -> None:
+    module = name.split(".")[0]
+    code = f"import flexarm; print(flexarm.{name}.__name__, '{told}' in dir(flexarm.{module}))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "Backlash\n"
+    assert done.stdout == f"{told} True\n"

@@ -28,7 +28,7 @@ def site(tmp_path_factory):
 
 
 def test_every_public_name_and_command_has_its_place(site):
-    for name in flexarm.__all__:
+    for name in (*flexarm.__all__, *flexarm.diagnosis.__all__):
         assert f'id="flexarm.{name}"' in (site / "reference" / "python" / f"{name}.html").read_text() or (
             f".{name}" in (site / "reference" / "python" / f"{name}.html").read_text()
         ), name

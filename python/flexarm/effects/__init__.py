@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from flexarm.effects.dead_channel import DeadChannel
     from flexarm.effects.drive_lag import DriveLag
     from flexarm.effects.encoder_eccentricity import EncoderEccentricity
+    from flexarm.effects.encoder_harmonics import EncoderHarmonics
     from flexarm.effects.encoder_offset import EncoderOffset
     from flexarm.effects.encoder_quantisation import EncoderQuantisation
     from flexarm.effects.encoder_scale import EncoderScale
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from flexarm.effects.external_vibration import ExternalVibration
     from flexarm.effects.frame_drift import FrameDrift
     from flexarm.effects.frame_registration import FrameRegistration
+    from flexarm.effects.frame_scale import FrameScale
     from flexarm.effects.gear_ratio import GearRatio
     from flexarm.effects.joint_compliance import JointCompliance
     from flexarm.effects.joint_hysteresis import JointHysteresis
@@ -69,6 +71,7 @@ __all__ = [
     "DriveLag",
     "Effect",
     "EncoderEccentricity",
+    "EncoderHarmonics",
     "EncoderOffset",
     "EncoderQuantisation",
     "EncoderScale",
@@ -76,6 +79,7 @@ __all__ = [
     "ExternalVibration",
     "FrameDrift",
     "FrameRegistration",
+    "FrameScale",
     "GearRatio",
     "JointCompliance",
     "JointHysteresis",
@@ -113,3 +117,7 @@ def __getattr__(name: str) -> Any:
     if name[:1].isupper() and util.find_spec(f"{__name__}.{file}") is not None:
         return getattr(import_module(f"{__name__}.{file}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})
