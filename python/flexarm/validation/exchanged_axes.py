@@ -4,12 +4,7 @@
 
 A gain shows one turned sign (`validation.gain_faults`). Axes of an inertial sensor that are exchanged leave a
 reading that no gain explains, and offsets of an accelerometer hide it, since gravity is one. So (1) is tried
-as it stands. Places may stand in any frame, but in none that is mirrored: with S_1 >= ... >= S_n the singular
-values of sum y p^T, both from their means, the best turn and the best mirror leave [Umeyama1991]
-
-    sum |y|^2 + |p|^2 - 2 (S_1 + ... -+ S_n)    where the determinant is negative.                      (2)
-
-n is 3, or 2 in a frame whose pose is stated: one that nobody knows may look at a plane from behind.
+as it stands. Exchanged axes of places are those of a mirror (`validation.mirrors`), or of a frame.
 """
 
 from __future__ import annotations
@@ -21,7 +16,6 @@ from itertools import permutations, product
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.record import Record
 from flexarm.validation.channel import Channel
 from flexarm.validation.policy import POLICY
 from flexarm.wording import listed, with_unit
@@ -32,42 +26,14 @@ INERTIAL = ("acceleration", "angular_rate")
 
 def exchanged_axes(seen: Mapping[str, Sequence[Channel]]) -> Iterator[str]:
     """Report inertial sensors that (1) explains, and their own axes do not."""
-    for where, _, axes in _of_axes(seen, INERTIAL):
-        yield from _exchanged(where, axes)
-
-
-def mirrored_places(seen: Mapping[str, Sequence[Channel]], records: Mapping[str, Record]) -> Iterator[str]:
-    """Report places that a mirror explains, and no turn of their frame."""
-    for where, name, axes in _of_axes(seen, ("position",), least=2):
-        y, p = _rows(axes)
-        known = not records[name].frame_of(axes[0].signal).unknown
-        if not y.size or not (known or len(axes) == 3):
-            continue
-        y, p = (values - values.mean(axis=1, keepdims=True) for values in (y, p))
-        product_of = y @ p.T
-        sizes, moved = np.linalg.svd(product_of, compute_uv=False), float(np.sum(y**2) + np.sum(p**2))
-        turned, mirrored = (
-            np.sqrt(max(moved - 2 * (sizes[:-1].sum() + sign * sizes[-1]), 0.0) / y.shape[1])
-            for sign in (-1, 1)
-        )
-        if np.linalg.det(product_of) < 0 and mirrored <= POLICY.max_unexplained * turned:
-            left = f"{with_unit(mirrored, 'm', 2)} rms are left, {with_unit(turned, 'm', 2)} in no mirror"
-            why = "two columns are exchanged, a sign is turned, or a joint counts the other way"
-            yield f"{where} shows the model in a mirror ({left}): {why}"
-
-
-def _of_axes(
-    seen: Mapping[str, Sequence[Channel]], quantities: Sequence[str], least: int = 3
-) -> Iterator[tuple[str, str, list[Channel]]]:
-    """Yield place, record and channels of signals with at least so many axes."""
     for name, channels in seen.items():
         for signal in dict.fromkeys(channel.signal.name for channel in channels):
             axes = [channel for channel in channels if channel.signal.name == signal]
-            if axes[0].signal.quantity in quantities and len(axes) >= least:
-                yield f"{name}: signals.{signal}", name, axes
+            if axes[0].signal.quantity in INERTIAL and len(axes) == 3:
+                yield from _exchanged(f"{name}: signals.{signal}", axes)
 
 
-def _rows(axes: Sequence[Channel]) -> tuple[Floats, Floats]:
+def rows_of(axes: Sequence[Channel]) -> tuple[Floats, Floats]:
     """Return readings and predictions, (axes, n), of rows that hold all axes."""
     rows = reduce(np.intersect1d, [channel.rows for channel in axes])
     both = ([each.measured for each in axes], [each.predicted for each in axes])
@@ -79,7 +45,7 @@ def _rows(axes: Sequence[Channel]) -> tuple[Floats, Floats]:
 
 
 def _exchanged(where: str, axes: Sequence[Channel]) -> Iterator[str]:
-    y, p = _rows(axes)
+    y, p = rows_of(axes)
     if not y.size:
         return
     own, names = _rms(y - p), [channel.name for channel in axes]

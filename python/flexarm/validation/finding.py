@@ -355,7 +355,7 @@ def _estimates(items: list[_FaultEvidence]) -> tuple[Estimate, ...]:
 
 def _sentence(items: list[_FaultEvidence], first: _FaultEvidence) -> str:
     """Return the most probable sentence, and the places of which the same holds."""
-    others = [item for item in items if item is not first]
+    others = [item for item in items if (item.record, item.sentence) != (first.record, first.sentence)]
     more = dict.fromkeys(
         f"{item.at} {item.channel}".rstrip() + (f" in {item.record!r}" if item.record != first.record else "")
         for item in others

@@ -21,6 +21,7 @@ from flexarm.record import Signal
 from flexarm.validation.channel import Channel, GainFit, channels, predicted_at
 from flexarm.validation.finding import ChannelFinding, cost, log_bayes
 from flexarm.validation.initial_alignment import initial_alignment
+from flexarm.validation.mirrors import with_mirrors
 from flexarm.validation.policy import POLICY
 from flexarm.validation.saturation import find_frozen, find_saturation, frozen_as_dead
 from flexarm.wording import with_unit
@@ -202,7 +203,7 @@ def find_channel_faults(
     """Return the finding of every channel of a record, `seen` if these are known."""
     placement = initial_alignment(simulated)
     seen = channels(name, simulated, placement) if seen is None else seen
-    return [_judge_channel(channel, simulated, placement) for channel in seen]
+    return with_mirrors(name, simulated, [_judge_channel(each, simulated, placement) for each in seen])
 
 
 def _judge_channel(channel: Channel, simulated: SimulatedRecord, placement: Placement) -> ChannelFinding:

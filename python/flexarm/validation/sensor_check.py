@@ -29,7 +29,7 @@ from flexarm.simulation import Progress
 from flexarm.validation.channel import Channel, channels
 from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
 from flexarm.validation.drive_hypotheses import implausible_drives
-from flexarm.validation.exchanged_axes import exchanged_axes, mirrored_places
+from flexarm.validation.exchanged_axes import exchanged_axes
 from flexarm.validation.finding import RecordFindings, RemovedOutliers, ValidationResult, merge_findings
 from flexarm.validation.frames_and_clocks import (
     remarks_on_frames,
@@ -144,7 +144,6 @@ def check(
     sure = {
         v.record: confirmed_inputs(arm, named[v.record], v.channels) for v in all_findings if v.drive is None
     }
-    mirrored = mirrored_places(seen, named)
     compared = {name: tuple(simulated.evidence) for name, simulated in simulations.items()}
     return ValidationResult(
         named,
@@ -152,7 +151,7 @@ def check(
         tuple(outliers),
         (*remarks, *current().remarks),
         {**compared, **dict.fromkeys(empty, ())},
-        (*plausibility_doubts(arm, named, sure), *exchanged_axes(seen), *mirrored, *doubts),
+        (*plausibility_doubts(arm, named, sure), *exchanged_axes(seen), *doubts),
     )
 
 

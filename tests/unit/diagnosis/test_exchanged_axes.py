@@ -51,8 +51,9 @@ def test_axes_that_are_exchanged_are_named(bench, turn, told):
     assert said.startswith(f"run: signals.imu: {told}; that leaves ")
 
 
-def test_places_in_a_mirror_are_seen_in_a_frame_that_is_not_known():
-    """Two columns of a tracker that are exchanged look like a turned sign or another unit of one."""
+@pytest.fixture(scope="module")
+def tracked():
+    """A boom that turns and lifts, its angles, a gyro, and its tip in a frame of which nothing is known."""
     base = {"type": "revolute", "parent": "base", "child": "mast", "axis": [0, 0, 1]}
     arm = arm_of(
         joints=[{"name": "turn", **base}, hinge("lift", "boom", "mast")],
@@ -72,16 +73,46 @@ def test_places_in_a_mirror_are_seen_in_a_frame_that_is_not_known():
     seen = Sensor(name="tip", quantity="position", point="tip", rate_hz=20, noise_std=5e-5, frame="tracker")
     gyro = Sensor(name="gyro", quantity="angular_rate", point="tip", rate_hz=50, noise_std=1e-3)
     frames = {"tracker": Frame(unknown=True)}
-    record = flexarm.measure(
+    return arm, flexarm.measure(
         run, [*encoders, gyro, seen], np.random.default_rng(1), drive=list(moves), frames=frames
     )
-    tip = record.signals["tip"]
-    exchanged = {**record.signals, "tip": tip.replace(values=tip.values[:, [1, 0, 2]])}
-    found = check(arm, {"run": record.replace(signals=exchanged)}, step=4e-3).doubts
-    [said] = [each for each in found if "mirror" in each]
-    assert said.startswith("run: signals.tip shows the model in a mirror (")
-    assert said.endswith("two columns are exchanged, a sign is turned, or a joint counts the other way")
-    assert not any("mirror" in each for each in check(arm, {"run": record}, step=4e-3).doubts)
+
+
+def changed(record, name, values, without=()):
+    """The record with other values of a signal, and without some signals."""
+    signals = {**record.signals, name: record.signals[name].replace(values=values)}
+    return record.replace(signals={key: each for key, each in signals.items() if key not in without})
+
+
+@pytest.mark.parametrize("left", [[0, 1, 0], [1, 1, 1]], ids=["one axis turned", "all turned"])
+def test_a_frame_of_the_other_hand_is_told_from_an_encoder_by_a_gyro(tracked, left):
+    """The best turn of a mirrored frame spreads the fault over all axes, so that no gain is -1."""
+    arm, record = tracked
+    record = changed(record, "tip", record.signals["tip"].values * (1 - 2 * np.array(left)))
+    [fault] = check(arm, {"run": record}, step=4e-3).faults
+    assert (fault.name, fault.at, fault.channels, fault.alternatives) == ("sign_error", "tip", (), ())
+    assert fault.probability > 0.99
+    assert "tip shows the model in a mirror (" in fault.evidence
+
+
+def test_a_frame_of_the_other_hand_and_a_turned_encoder_are_the_same_where_nothing_else_is_seen(tracked):
+    """It was named for the encoder, as certain."""
+    arm, record = tracked
+    tip, turn = record.signals["tip"].values, record.signals["turn"].values
+    for wrong in (
+        changed(record, "tip", tip[:, [1, 0, 2]], ["gyro"]),
+        changed(record, "turn", -turn, ["gyro"]),
+    ):
+        found = flexarm.diagnose(arm, {"run": wrong}, step=4e-3, jobs=1)
+        [effect] = found.effects
+        assert found.verdict == "unusable"
+        assert (effect.name, effect.at, round(effect.probability, 1)) == ("sign_error", "tip", 0.5)
+        assert [(each.name, each.at) for each in effect.alternatives] == [("sign_error", "turn")]
+
+
+def test_a_frame_of_the_right_hand_is_in_order(tracked):
+    arm, record = tracked
+    assert check(arm, {"run": record}, step=4e-3).usable
 
 
 @pytest.mark.parametrize(
@@ -104,4 +135,4 @@ def test_two_columns_of_a_plane_that_are_exchanged_are_seen_where_the_frame_is_s
     tip = record.signals["tip"]
     exchanged = {**record.signals, "tip": tip.replace(values=tip.values[:, columns])}
     found = check(arm, {"run": record.replace(signals=exchanged)}, step=4e-3)
-    assert sum("mirror" in each for each in found.doubts) == seen
+    assert sum("mirror" in fault.evidence for fault in found.faults) == seen

@@ -1,0 +1,117 @@
+"""Places that the model shows in a mirror: a turned axis, exchanged columns, a frame of the other hand.
+
+A gain of one channel does not show them where a frame is unknown: the best turn spreads the fault over all
+axes. Readings y and predictions p, both from their means, have the singular values S_1 >= ... >= S_n of
+sum y p^T. The best turn and the best mirror leave [Umeyama1991]
+
+    sum |y|^2 + |p|^2 - 2 (S_1 + ... -+ S_n)    where the determinant is negative.                      (1)
+
+n is 3, or 2 in a frame whose pose is stated: one that nobody knows may look at a plane from behind. A mirror
+Q of a stated frame is told as the signed permutation M nearest to it, that of an unknown one, in which all
+mirrors are the same up to a turn, as the inversion -1. It is a hypothesis of `validation.finding`: the places
+M^T y, their frame found anew, must cost less than y.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexarm.arrays import Floats
+from flexarm.comparison.simulated_record import SimulatedRecord
+from flexarm.record import Signal
+from flexarm.validation.channel import Channel, channels
+from flexarm.validation.exchanged_axes import rows_of
+from flexarm.validation.finding import ChannelFinding, cost, log_bayes, total_cost
+from flexarm.validation.initial_alignment import initial_alignment
+from flexarm.validation.policy import POLICY
+from flexarm.wording import listed, with_unit
+
+
+def with_mirrors(
+    name: str, simulated: SimulatedRecord, found: Sequence[ChannelFinding]
+) -> list[ChannelFinding]:
+    """Return the findings of a record, those of places in a mirror replaced where that costs less."""
+    kept = list(found)
+    for signals in _groups(simulated):
+        own = [each for each in kept if each.channel.signal.name in signals]
+        if {each.channel.signal.name for each in own} < signals.keys():
+            continue  # too few readings
+        mirrored = _mirrored(name, simulated, signals, [each.channel for each in own])
+        if mirrored and total_cost(mirrored) < total_cost(own) - POLICY.clear_log_odds:
+            kept = [*(each for each in kept if each not in own), *mirrored]
+    return kept
+
+
+def _groups(simulated: SimulatedRecord) -> Iterator[dict[str, Signal]]:
+    """Yield the places seen in each frame, together and one by one."""
+    frames: dict[str, dict[str, Signal]] = {}
+    for signal in simulated.evidence.values():
+        unknown = simulated.record.frame_of(signal).unknown
+        if signal.quantity == "position" and len(signal.axes) >= (3 if unknown else 2):
+            frames.setdefault(f"{signal.frame} {signal.axes}", {})[signal.name] = signal
+    for signals in frames.values():
+        yield signals
+        yield from ({name: signal} for name, signal in signals.items() if len(signals) > 1)
+
+
+def _mirrored(
+    name: str, simulated: SimulatedRecord, signals: Mapping[str, Signal], seen: Sequence[Channel]
+) -> list[ChannelFinding]:
+    """Return the channels of places under a mirror; empty if no mirror explains what no turn does."""
+    pairs = [rows_of([each for each in seen if each.signal.name == signal]) for signal in signals]
+    y, p = (np.concatenate(values, axis=1) for values in zip(*pairs, strict=True))
+    if not y.size:
+        return []
+    y, p = (values - values.mean(axis=1, keepdims=True) for values in (y, p))
+    u, sizes, vt = np.linalg.svd(y @ p.T)
+    moved = float(np.sum(y**2) + np.sum(p**2))
+    turned, mirrored = (
+        float(np.sqrt(max(moved - 2 * (sizes[:-1].sum() + sign * sizes[-1]), 0.0) / y.shape[1]))
+        for sign in (-1, 1)
+    )
+    missed = max(each.model_error for each in seen)  # by any model, in a mirror or not
+    before, after = float(np.hypot(turned, missed)), float(np.hypot(mirrored, missed))
+    if np.linalg.det(u @ vt) > 0 or after > POLICY.max_unexplained * before:
+        return []
+    first, show = next(iter(signals.values())), "show" if len(signals) > 1 else "shows"
+    M, why = -np.eye(3), "two columns are exchanged, a sign is turned, or a joint counts the other way"
+    if not simulated.record.frame_of(first).unknown:
+        M = _nearest_permutation(u @ vt)
+        why = f"{_exchange(M, first.axes)}, or a joint counts the other way"
+    left = f"{with_unit(mirrored, 'm', 2)} rms are left, {with_unit(turned, 'm', 2)} in no mirror"
+    sentence = f"{listed(list(signals))} {show} the model in a mirror ({left}): {why}"
+    there = {label: signal.replace(values=signal.values @ M) for label, signal in signals.items()}
+    again = replace(simulated, signals={**simulated.signals, **there})
+    placement, bayes = initial_alignment(again), log_bayes(y.shape[1], before, after)
+    found = []
+    for channel in channels(name, replace(again, signals=there), placement):
+        fit = channel.fit_at_gain(1.0)
+        price = cost(channel, fit.rms, fit.penalty)
+        turned_over = M[channel.index, channel.index] != 1
+        found.append(
+            ChannelFinding(channel, "sign_error", bayes, price - POLICY.prior_log_odds, {}, sentence)
+            if turned_over
+            else ChannelFinding(channel, cost=price)
+        )
+    return found
+
+
+def _nearest_permutation(Q: Floats) -> Floats:
+    """Return the signed permutation nearest to a mirror."""
+    from scipy.optimize import linear_sum_assignment
+
+    rows, columns = linear_sum_assignment(-np.abs(Q))
+    M = np.zeros_like(Q)
+    M[rows, columns] = np.sign(Q[rows, columns])
+    return M
+
+
+def _exchange(M: Floats, axes: Sequence[str]) -> str:
+    """Return in words what each axis reads that does not read itself."""
+    read = [(k, int(np.argmax(np.abs(row)))) for k, row in enumerate(M)]
+    return listed(
+        [f"{axes[k]} reads {'-' * bool(M[k, j] < 0)}{axes[j]}" for k, j in read if M[k, j] != (k == j)]
+    )
