@@ -31,7 +31,7 @@ MISTAKES = {
     "unknown shape": ('"tube"', '"tubular"', "links.rod.section.shape", "'rectangle', 'general', got 'tubular'"),
     "no shape": ('shape = "tube", ', "", "links.rod.section.shape", "is missing"),
     "unknown type": ('"beam"', '"rod"', "links.rod.type", "must be one of 'beam', 'rigid', 'superelement'"),
-    "unknown joint type": ('"revolute"', '"ball"', "joints.hinge.type", "'prismatic' or 'fixed', got 'ball'"),
+    "unknown joint type": ('"revolute"', '"ball"', "joints.hinge.type", "'universal' or 'spherical', got 'ball'"),
     "no length": ("end = [0, 0, 3.0]", "end = [0, 0, 0]", "links.rod.end", "must have a length"),
     "half an element": ("elements = 4", "elements = 2.5", "links.rod.elements", "must be a whole number, got 2.5"),
     "no element": ("elements = 4", "elements = 0", "links.rod.elements", "must be at least 1, got 0"),

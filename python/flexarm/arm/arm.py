@@ -15,6 +15,7 @@ from flexarm.arm.attachment import Payload, Point
 from flexarm.arm.closure import Closure
 from flexarm.arm.consistency import inconsistencies, missing
 from flexarm.arm.controller import Controller
+from flexarm.arm.crossed_hinges import with_hinges
 from flexarm.arm.effect import Effect, read_effect
 from flexarm.arm.joint import Gear, Joint
 from flexarm.arm.link import Link
@@ -130,7 +131,7 @@ class Arm(Table):
             return check_table(cls, with_urdf({"urdf": Path(path).name}, Path(path).parent), path, "")
         data, text = read_toml(Path(path), "flexarm-arm/1")
         folder = Path(path).parent
-        data = found_from(with_urdf(data, folder), folder)
+        data = found_from(with_hinges(with_urdf(data, folder)), folder)
         arm = check_table(cls, data, path, text)
         refuse(list(part_problems(arm)), data, path, text)
         return arm
@@ -150,7 +151,7 @@ class Arm(Table):
         InvalidParameter
             With the place and value of every problem.
         """
-        return check_table(cls, with_urdf(data, Path()))
+        return check_table(cls, with_hinges(with_urdf(data, Path())))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the dictionary that `from_dict` reads."""

@@ -27,7 +27,10 @@ class Joint(Table):
 
     name: Name = Field(description="name of the joint")
     """Name, used by --joint, drives, effects and signals."""
-    type: Literal["revolute", "prismatic", "fixed"] = Field(description="revolute, prismatic or fixed")
+    type: Literal["revolute", "prismatic", "fixed", "universal", "spherical"] = Field(
+        description="revolute, prismatic, fixed, universal or spherical"
+    )
+    """Universal and spherical ones are hinges when a model is read (`flexarm.arm.crossed_hinges`)."""
     parent: Place = Field(description='"base" or the name of a link')
     child: Place = Field(description="name of a link")
     """The base or a link; `link:interface` on a super-element."""
@@ -45,6 +48,14 @@ class Joint(Table):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        if self.type in ("universal", "spherical"):
+            axes = (
+                "axis and second_axis"
+                if self.type == "universal"
+                else "no axis: its hinges turn about x, y, z"
+            )
+            what = f"is {self.type}, and needs {axes}; gears, rotors and drives belong to its hinges"
+            raise Inconsistent((("type",), what))
         if self.type != "fixed" and "axis" not in self.model_fields_set:
             raise Inconsistent(
                 (("axis",), f"is missing; a {self.type} joint needs an axis such as [0, 1, 0]")
