@@ -109,6 +109,14 @@ def _is_array(value: object) -> bool:
     return True
 
 
+def _is_rotation(value: object) -> bool:
+    np = _numpy()
+    if not _is_array(value) or np.shape(value) != (3, 3):
+        return False
+    turn = np.asarray(value, dtype=float)
+    return np.allclose(turn @ turn.T, np.eye(3), atol=1e-9) and bool(np.linalg.det(turn) > 0)
+
+
 def _is_indices(value: object) -> bool:
     try:
         array = _numpy().asarray(value)
@@ -202,6 +210,9 @@ INDICES = Kind("a dictionary of whole numbers by name", _by_name(_is_indices))
 GROUPS = Kind("a dictionary of dictionaries of whole numbers", _by_name(INDICES.accepts))
 COUNT = Kind("a whole number", _is_count)
 JOBS = Kind("a whole number of at least 1", lambda value: _is_count(value) and value >= 1)
+VECTOR = Kind("three numbers", lambda value: _is_row(value) and _numpy().size(value) == 3)
+ROTATION = Kind("a 3 x 3 rotation matrix that does not mirror", _is_rotation)
+AXES = Kind("Axes of matplotlib", lambda value: callable(getattr(value, "add_collection", None)))
 FLAG = Kind("True or False", lambda value: isinstance(value, bool | _numpy().bool_))
 TEXT = Kind("a text", lambda value: isinstance(value, str))
 NAMES = Kind("a list of names", _is_names)
@@ -215,4 +226,5 @@ VECTORS = Kind("a dictionary of three numbers by name", _by_name(_is_row))
 NAMED = Kind("a dictionary by name", _by_name(_any))
 TABLES = Kind("a dictionary, as a TOML file gives it", lambda value: isinstance(value, Mapping))
 PATH = Kind("a path of a file", lambda value: isinstance(value, str | os.PathLike))
-MESH = Kind("a SolidMesh or a path", _either(PATH.accepts, _one_of("flexarm.solids", "SolidMesh")))
+SOLID = Kind("a SolidMesh", _one_of("flexarm.solids", "SolidMesh"))
+MESH = Kind("a SolidMesh or a path", _either(PATH.accepts, SOLID.accepts))

@@ -205,3 +205,80 @@ def ros_2_sqlite(path):
 def single_mcap(path):
     ros_2(path.with_suffix(""), "MCAP")
     next(path.with_suffix("").glob("*.mcap")).rename(path)
+
+
+def keys(columns, time, topic=None):
+    lines = [f"columns = {columns}", f"time = {time}"]
+    return "\n".join(lines + ([f'topic = "{topic}"'] if topic else []))
+
+
+XYZ, STAMPS, LOG = '["x", "y", "z"]', '"time"', '"log"'
+JOINTS = keys('["position[shoulder]"]', '"header.stamp"', "/joint_states")
+POSE = keys('["pose.position.x", "pose.position.y", "pose.position.z"]', '"header.stamp"', "/tip")
+MATLAB = (
+    keys('["rec.pos_deg[2]"]', '"rec.time"'),
+    keys('["[1]", "[2]", "[3]"]', '"rec.time"', "rec.tip.mm"),
+)
+TABLE = (keys('["angle"]', STAMPS), keys(XYZ, STAMPS))
+ROWS = '["tip[1]", "tip[2]", "tip[3]"]'
+FORMATS = {
+    "v5.mat": (matlab_5, *MATLAB),
+    "v73.mat": (matlab_73, *MATLAB),
+    "log.h5": (
+        hdf5,
+        keys('["robot/joints[2]"]', '"/robot/stamp"'),
+        keys('["xyz[1]", "xyz[2]", "xyz[3]"]', '"t"', "/tracker"),
+    ),
+    "log4.nc": (netcdf_4, keys('["angle"]', STAMPS), keys(ROWS, STAMPS)),
+    "log3.nc": (netcdf_3, keys('["angle"]', '"stamp"'), keys("[1, 2, 3]", '"stamp"', "tip")),
+    "log.parquet": (parquet, *TABLE),
+    "lists.parquet": (parquet_with_lists, keys('["angle"]', STAMPS), keys(ROWS, STAMPS)),
+    "log.feather": (feather, *TABLE),
+    "log.xlsx": (excel, keys('["angle"]', STAMPS, "run"), keys("[3, 4, 5]", "1", "run")),
+    "log.tdms": (tdms, keys('["angle"]', LOG, "robot"), keys(XYZ, '"t"', "tracker")),
+    "log.mf4": (
+        mdf,
+        keys('["angle"]', LOG, "robot"),
+        keys('["tip_x", "tip_y", "tip_z"]', LOG),
+    ),
+    "log.c3d": (c3d, keys('["angle"]', LOG, "analog"), keys('["tip.x", "tip.y", "tip.z"]', LOG)),
+    "motive.csv": (
+        optitrack,
+        keys('["wrist.Rotation.X"]', '"Time (Seconds)"'),
+        keys('["tip.Position.X", "tip.Position.Y", "tip.Position.Z"]', '"Time (Seconds)"'),
+    ),
+    "log.bag": (ros_1, JOINTS, POSE),
+    "ros2_mcap": (ros_2_mcap, JOINTS, POSE),
+    "ros2_sqlite": (ros_2_sqlite, JOINTS, POSE),
+    "log.mcap": (
+        single_mcap,
+        JOINTS,
+        keys(
+            str([f"transforms[tool.tip].transform.translation.{axis}" for axis in "xyz"]).replace("'", '"'),
+            '"log"',
+            "/tf",
+        ),
+    ),
+}
+
+
+def map_of(name, joint, tip):
+    return f"""
+format = "flexarm-map/1"
+drive = "shoulder"
+[[signals]]
+name = "shoulder"
+source = "{name}"
+quantity = "joint_angle"
+joint = "shoulder"
+side = "output"
+unit = "deg"
+{joint}
+[[signals]]
+name = "tip"
+source = "{name}"
+quantity = "position"
+point = "tip"
+unit = "mm"
+{tip}
+"""

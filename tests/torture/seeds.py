@@ -7,6 +7,7 @@ import io
 import runpy
 import shutil
 import sys
+from math import cos, sin
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -33,6 +34,72 @@ URDF = """<?xml version="1.0"?>
 </robot>
 """
 DRIVE = "time_s,hinge\n0,0.1\n0.01,0.1\n0.03,0.105\n0.05,0.11\n"
+MJCF = """<mujoco model="robot"><worldbody><body name="rod"><joint name="hinge" type="hinge" axis="0 1 0"/>
+  <inertial pos="0 0 1" mass="2" diaginertia="0.01 0.2 0.2"/></body></worldbody></mujoco>
+"""
+ROBOT = """<robot name="one"><link name="stand"/><link name="rod"/><joint name="hinge" type="continuous">
+  <parent link="stand"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>
+"""
+STUDY = """format = "flexarm-study/1"
+run = "static"
+model = "arm.toml"
+joints = { hinge = 0.5 }
+[sampling]
+method = "random"
+n = 8
+seed = 3
+[[vary]]
+parameter = "payloads.load.mass"
+distribution = "uniform"
+low = 1.0
+high = 3.0
+[[keep]]
+quantity = "displacement"
+point = "tip"
+"""
+POSES = """format = "flexarm-record/1"
+kind = "static"
+drive = ["hinge"]
+[[signals]]
+name = "hinge"
+quantity = "joint_angle"
+joint = "hinge"
+side = "motor"
+file = "poses.csv"
+pose = "pose"
+channels = ["hinge_rad"]
+noise_std = 1e-5
+[[signals]]
+name = "tip"
+quantity = "position"
+point = "tip"
+axes = ["x", "z"]
+file = "poses.csv"
+pose = "pose"
+channels = ["x", "z"]
+noise_std = 1e-4
+"""
+RESPONSES = """format = "flexarm-record/1"
+kind = "frequency_response"
+joints = { hinge = 0.3 }
+[[signals]]
+name = "hammer"
+quantity = "force"
+point = "tip"
+axes = ["x"]
+[[signals]]
+name = "imu"
+quantity = "acceleration"
+point = "tip"
+axes = ["x"]
+input = "hammer"
+file = "frf.csv"
+frequency = "hz"
+channels = ["re", "im"]
+unit = "m/s2/N"
+coherence = "coherence"
+averages = 8
+"""
 
 
 def make(folder: Path) -> None:
@@ -52,13 +119,16 @@ def make(folder: Path) -> None:
     (folder / "arm.urdf").write_text(URDF)
     spoiled = runpy.run_path(str(ROOT / "tests" / "unit" / "conftest.py"))
     (folder / "crane.toml").write_text(spoiled["MODEL"])
-    shutil.copy(ROOT / "examples" / "three_joints.toml", folder / "three_joints.toml")
+    for name in ("three_joints.toml", "telescopic_crane.toml"):
+        shutil.copy(ROOT / "examples" / name, folder / name)
     flexarm("simulate", arm, "--drive", str(folder / "drive.csv"), "--forces", "--out", str(folder / "run"))
     flexarm("linearise", arm, "--modes", "2", "--out", str(folder / "linear.mat"))
     flexarm("linearise", arm, "--modes", "2", "--out", str(folder / "linear.nc"))
     words = ["--interface", "bore=BORE", "--interface", "flange=FLANGE", "--unit", "mm", "--modes", "1"]
     flexarm("reduce", str(example / "bracket.inp"), *words, "--out", str(folder / "element.nc"))
+    _beside_the_example(example)
     _results(folder, arm)
+    _logs(folder / "logs")
     _meshes(folder)
     _matrices(folder)
     (folder / "done").touch()
@@ -74,6 +144,34 @@ def _shorten(example: Path) -> None:
             file.write_text("\n".join([head, *rows]) + "\n")
 
 
+def _beside_the_example(example: Path) -> None:
+    """Records of poses and of responses, a study, and files that exports change."""
+    rows = [(k, 0.1 * k, 3 * sin(0.1 * k), 3 * cos(0.1 * k)) for k in range(12)]
+    _record(example / "poses", POSES, "poses.csv", "pose,hinge_rad,x,z", rows)
+    rows = [(f, 0.01 * f, 0.1 / f, 0.99) for f in (0.5 * k for k in range(1, 41))]
+    _record(example / "responses", RESPONSES, "frf.csv", "hz,re,im,coherence", rows)
+    for name, text in {"study.toml": STUDY, "robot.urdf": ROBOT, "robot.xml": MJCF}.items():
+        (example / name).write_text(text)
+
+
+def _record(folder: Path, toml: str, name: str, header: str, rows: list[tuple[float, ...]]) -> None:
+    folder.mkdir()
+    (folder / "record.toml").write_text(toml)
+    (folder / name).write_text(
+        "\n".join([header, *(",".join(f"{x:.9g}" for x in row) for row in rows)]) + "\n"
+    )
+
+
+def _logs(folder: Path) -> None:
+    """A log of each format and the map that reads it, named after it."""
+    from log_files import FORMATS, map_of
+
+    folder.mkdir()
+    for name, (write, joint, tip) in FORMATS.items():
+        write(folder / name)
+        (folder / f"{name}.toml").write_text(map_of(name, joint, tip))
+
+
 def _results(folder: Path, arm: str) -> None:
     import flexarm
 
@@ -83,6 +181,8 @@ def _results(folder: Path, arm: str) -> None:
     flexarm.Stepper(model, {"hinge": "torque"}).start().save(folder / "state.npz")
     record = flexarm.Record.load(Path(arm).parent / "slow")
     flexarm.diagnose(model, [record], jobs=1).save(folder / "diagnosis")
+    flexarm.calibrate(model, [record], jobs=1).save(folder / "fit")
+    flexarm.campaign(Path(arm).parent / "study.toml", folder / "study", jobs=1)
 
 
 def _meshes(folder: Path) -> None:

@@ -23,13 +23,35 @@ CAMPAIGNS = {
 }
 
 
+FOLDER = Path(__file__).parents[1]
+UNTRIED = """
+import sys
+from pathlib import Path
+import flexarm
+from flexarm.cli.app import COMMANDS
+from torture.campaigns import calls, files, options
+tried = {call.name for call in calls.right(Path(sys.argv[1]))}
+tried |= {reader.label for reader in files.READERS.values()}
+classes = {name for name in flexarm.__all__ if isinstance(getattr(flexarm, name), type)}
+errors = {name for name in classes if issubclass(getattr(flexarm, name), Exception)}
+loads = {f"{name}.load" for name in classes if hasattr(getattr(flexarm, name), "load")} - {"Arm.load"}
+left = {*flexarm.__all__} - errors - {name.partition(".")[0] for name in tried}
+print(*sorted(left | (loads - tried) | ({*COMMANDS} - {*options.OPTIONS})))
+"""
+"""Prints public names, readers and commands of which no campaign has a case."""
+
+
 @pytest.fixture(scope="module")
-def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("torture")
+
+
+@pytest.fixture(scope="module")
+def reports(out: Path) -> dict[str, str]:
     """What the harness prints of each campaign's sample."""
-    words = ["--sample", "--out", str(tmp_path_factory.mktemp("torture"))]
-    folder = Path(__file__).parents[1]
+    words = ["--sample", "--out", str(out)]
     run = subprocess.run(
-        [sys.executable, "-m", "torture", *words], cwd=folder, capture_output=True, text=True
+        [sys.executable, "-m", "torture", *words], cwd=FOLDER, capture_output=True, text=True
     )
     assert run.returncode in (0, 1), run.stderr
     blocks = re.split(r"^(?=\w+: \d+ cases in)", run.stdout, flags=re.MULTILINE)
@@ -41,3 +63,10 @@ def test_it_holds_that(campaign: str, reports: dict[str, str]) -> None:
     """A failing case is run alone, and shown, by the command below it."""
     first, *failures = reports[campaign].strip().splitlines()
     assert not failures, "\n".join([first, *failures])
+
+
+def test_each_public_name_reader_and_command_is_tried(out: Path, reports: dict[str, str]) -> None:
+    """The harness has made its seeds by now."""
+    words = [sys.executable, "-c", UNTRIED, str(out / "seeds")]
+    found = subprocess.run(words, cwd=FOLDER, capture_output=True, text=True, check=True)
+    assert found.stdout.split() == []

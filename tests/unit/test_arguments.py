@@ -14,6 +14,7 @@ import flexarm
 from flexarm import (
     Arm,
     Drive,
+    InterfaceSet,
     InvalidParameter,
     JointDrive,
     Record,
@@ -24,6 +25,7 @@ from flexarm import (
     accept_matrices,
     campaign,
     compare,
+    compare_responses,
     diagnose,
     linearise,
     measure,
@@ -37,6 +39,7 @@ from flexarm import (
 )
 from flexarm.effects import JointCompliance
 from flexarm.record.table import Clock
+from flexarm.solids import ring
 from flexarm.superelement import SuperElement
 
 SIGNAL = Signal(name="tip", quantity="position", values=np.zeros((2, 3)), time=[0.0, 1.0], point="tip")
@@ -182,3 +185,25 @@ def test_effects_and_steps_of_a_diagnosis_are_there_without_an_import(name: str,
     code = f"import flexarm; print(flexarm.{name}.__name__, '{told}' in dir(flexarm.{module}))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == f"{told} True\n"
+
+
+def test_a_wrong_argument_of_a_method_is_named(arm: Arm) -> None:
+    part, found = ring(0.1, 0.2, 0.1, size=0.1, around=8), static(arm)
+    calls: list[tuple[str, Callable[[], Any]]] = [
+        ("key", lambda: arm.sigma("nobody")),
+        ("at", lambda: arm.without_effect("backlash", np.zeros(2))),  # type: ignore[arg-type]
+        ("urdf", lambda: arm.view(urdf=3)),  # type: ignore[arg-type]
+        ("scale", lambda: found.view(scale="x")),  # type: ignore[arg-type]
+        ("ax", lambda: found.plot(ax={})),  # type: ignore[arg-type]
+        ("tolerance", lambda: part.merged({})),  # type: ignore[arg-type]
+        ("other", lambda: part.joined("part.inp")),  # type: ignore[arg-type]
+        ("lower", lambda: part.points_in_box([1.0], [1.0] * 3)),
+        ("rotation", lambda: part.moved(np.diag([1.0, 1.0, -1.0]))),
+        ("text", lambda: InterfaceSet.from_text({})),  # type: ignore[arg-type]
+        ("values", lambda: JointDrive.held([0.0, 1.0], [1.0])),  # type: ignore[arg-type]
+        ("arm", lambda: Drive({}).at_inputs([])),  # type: ignore[arg-type]
+        ("record", lambda: compare_responses(arm, {})),  # type: ignore[arg-type]
+    ]
+    for name, call in calls:
+        with pytest.raises(InvalidParameter, match=f"^{name}: "):
+            call()

@@ -227,7 +227,7 @@ def test_moving_turns_and_shifts_all_points():
     moved = mesh.moved(turn, [1.0, 2.0, 3.0]).check()
     x, y, z = mesh.points.T
     assert moved.points == pytest.approx(np.column_stack([1 - y, 2 + x, 3 + z]))
-    with pytest.raises(InvalidParameter, match="rotation: must not mirror"):
+    with pytest.raises(InvalidParameter, match="that does not mirror"):
         mesh.moved(np.diag([1.0, 1.0, -1.0]))
     with pytest.raises(InvalidParameter, match="rotation: must be a 3 x 3 rotation matrix"):
         mesh.moved(2 * np.eye(3))

@@ -220,6 +220,7 @@ class Arm(Table):
         """
         return self.replace(effects=(*self.effects, effect))
 
+    @takes(name=TEXT, at=TEXT)
     def without_effect(self, name: str, at: str) -> Self:
         """Return the arm without the effect `name` at `at`.
 
@@ -274,9 +275,13 @@ class Arm(Table):
         """Joints that have a coordinate."""
         return tuple(joint for joint in self.joints if joint.moves)
 
+    @takes(key=TEXT)
     def sigma(self, key: str) -> tuple[Any, Any]:
         """Nominal value and 1 sigma, both in SI, of a key of `uncertainty`; see `uncertainty.sigma_of`."""
-        return sigma_of(self, key)
+        try:
+            return sigma_of(self, key)
+        except ValueError as error:
+            raise InvalidParameter(str(error), where="key") from None
 
     @property
     def warnings(self) -> tuple[Problem, ...]:
@@ -285,7 +290,7 @@ class Arm(Table):
 
     # ----------------------------------------------------------------- pictures
 
-    @takes(joints=VALUES)
+    @takes(joints=VALUES, urdf=PATH)
     def view(self, joints: Mapping[str, float] | None = None, urdf: str | Path | None = None) -> View:
         """Show the undeformed arm in three dimensions, and how each joint moves it.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from flexarm.arguments import NAMES, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.pooled_gap import PooledGap, pooled_gap
@@ -37,6 +38,7 @@ class BeforeAfter:
         """Return True if there is a gap to be shown: not where the data could not be compared at all."""
         return bool(self.unit)
 
+    @takes(records=NAMES, signal=TEXT)
     def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
         """Return totals of a signal (default: the main one) before and after, pooled over records."""
         return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)

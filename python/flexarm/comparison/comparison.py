@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.arguments import AXES, TEXT, takes
+from flexarm.arm.consistency import missing
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.gap import SignalGap
+from flexarm.errors import InvalidParameter
 from flexarm.json_values import plain
 from flexarm.wording import number, scale
 
@@ -134,6 +137,7 @@ class Comparison:
                 lines.append(f"{gap.name} [{unit}]  " + "   ".join(parts))
         return lines
 
+    @takes(ax=AXES, signal=TEXT)
     def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
         """Plot the gap of a signal over time, by direction, with the noise (2 sigma) as a band.
 
@@ -146,6 +150,8 @@ class Comparison:
         """
         import matplotlib.pyplot as plt
 
+        if signal is not None and signal not in self.signals:
+            raise InvalidParameter(missing("compared signal", signal, self.signals), where="signal")
         axes = plt.subplots()[1] if ax is None else ax
         gap = self.signals[signal] if signal is not None else next(iter(self.evidence.values()))
         parts = {name: part for name, part in gap.parts.items() if part is not None}

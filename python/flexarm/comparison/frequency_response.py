@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arguments import ARM, RECORD, takes
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import stated_placement
@@ -174,6 +175,7 @@ class ResponseComparison:
         return self.summary()
 
 
+@takes(arm=ARM, record=RECORD)
 def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
     """Compare frequency responses with those of the linear model.
 

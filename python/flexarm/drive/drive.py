@@ -137,6 +137,7 @@ class Drive:
 
         return cls(**attributes_in(record, arm))
 
+    @takes(arm=ARM)
     def at_inputs(self, arm: Arm) -> Drive:
         """Return the same motion with angles at outputs of gears moved to their inputs, where motors are."""
         joints = dict(self.joints)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
-from flexarm.arguments import ARRAY, TEXT, holds
+from flexarm.arguments import ARRAY, ROW, TEXT, holds, takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter
 
@@ -59,9 +59,13 @@ class JointDrive:
         return hashlib.sha256(self.breaks.tobytes() + self.coefficients.tobytes()).digest()
 
     @classmethod
+    @takes(time=ROW, values=ROW)
     def held(cls, time: Floats, values: Floats) -> JointDrive:
         """Return a command: every sample holds until the next one."""
-        return cls(np.append(time, time[-1] + 1.0), values[None, :], "command")
+        if not len(time) or len(time) != len(values):
+            what = f"needs one value for each time, got {len(values)} for {len(time)}"
+            raise InvalidParameter(what, where="values")
+        return cls(np.append(time, time[-1] + 1.0), np.asarray(values, dtype=float)[None, :], "command")
 
     def polynomial(self) -> _core.PiecewisePolynomial:
         """Return the polynomial of the core."""

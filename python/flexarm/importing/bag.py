@@ -7,6 +7,8 @@ number. A message that has none of the fields is passed over, as one of another 
 
 from __future__ import annotations
 
+import io
+import os
 import re
 from array import array
 from collections.abc import Iterator, Sequence
@@ -127,6 +129,22 @@ class _Collector:
         return (np.frombuffer(self.real, dtype=float) if len(self.real) else None), None
 
 
+class _File(io.BufferedReader):
+    """A file that gives no more than it holds: lengths in a damaged log ask for any amount of memory."""
+
+    def read(self, size: int | None = -1) -> bytes:
+        """Return the next bytes, as many as the file holds at most."""
+        return super().read(-1 if size is None else min(size, os.fstat(self.fileno()).st_size))
+
+
+class _Bounded(type(Path())):  # type: ignore[misc]  # a class of the system's own
+    """A path whose files, and those below it, are opened so."""
+
+    def open(self, mode: str = "r", *args: Any, **more: Any) -> Any:
+        """Open the file, one of bytes as `_File`."""
+        return _File(io.FileIO(self)) if mode == "rb" else super().open(mode, *args, **more)
+
+
 class Bag(Source):
     """A bag of ROS 1 or 2, or an MCAP file."""
 
@@ -140,7 +158,7 @@ class Bag(Source):
     def _open(self) -> Iterator[Any]:
         module, stores = needed("rosbags.highlevel", self.path), needed("rosbags.typesys", self.path)
         default = stores.get_typestore(stores.Stores.LATEST)
-        with module.AnyReader([self.path], default_typestore=default) as reader:
+        with module.AnyReader([_Bounded(self.path)], default_typestore=default) as reader:
             yield reader
 
     def names(self, topic: str | None) -> list[str]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexarm.arguments import TEXT, takes
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidParameter
 
@@ -48,6 +49,7 @@ class InterfaceSet:
     rotation: ArrayLike | None = None
 
     @classmethod
+    @takes(text=TEXT)
     def from_text(cls, text: str) -> InterfaceSet:
         """Read `SET`, `SET:rigid` or `SET:average`.
 

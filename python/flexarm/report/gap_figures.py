@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.arguments import AXES, TEXT, takes
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.comparison.pooled_gap import pooled
@@ -32,7 +33,8 @@ LOOKS: dict[str, dict[str, Any]] = {
 """Okabe and Ito's colours, told apart by everyone; markers differ too."""
 
 
-def plot(diagnosis: BeforeAfter, ax: Axes | None, record: str | None) -> Axes:
+@takes(ax=AXES, record=TEXT)
+def plot(diagnosis: BeforeAfter, ax: Axes | None = None, record: str | None = None) -> Axes:
     """Return what `Diagnosis.plot` draws: the direction with the largest gap."""
     import matplotlib.pyplot as plt
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.arguments import NUMBERS, PATH, TEXT, takes
+from flexarm.arguments import AXES, NUMBERS, PATH, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
 from flexarm.arm.joint_units import units_by_joint
@@ -175,6 +175,7 @@ class Simulation(Result):
 
         return cls(**stored(path))
 
+    @takes(point=TEXT, ax=AXES)
     def plot(self, point: str | None = None, ax: Axes | None = None) -> Axes:
         """Draw the coordinates of a point against time.
 

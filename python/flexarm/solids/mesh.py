@@ -10,7 +10,22 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexarm.arguments import ARRAY, FLAG, GROUPS, INDICES, MATERIALS, PATH, TEXT, holds, takes
+from flexarm.arguments import (
+    ARRAY,
+    FLAG,
+    GROUPS,
+    INDICES,
+    MATERIAL,
+    MATERIALS,
+    NUMBER,
+    PATH,
+    ROTATION,
+    SOLID,
+    TEXT,
+    VECTOR,
+    holds,
+    takes,
+)
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 from flexarm.material import Material
@@ -194,25 +209,25 @@ class SolidMesh:
             raise InvalidParameter(found[0].what, where=found[0].where, problems=found)
         return self
 
+    @takes(rotation=ROTATION, translation=VECTOR)
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Self:
         """Return the part in another place: x -> R x + t, R a rotation matrix, t in m."""
         turn = np.eye(3) if rotation is None else np.asarray(rotation, dtype=float)
-        if turn.shape != (3, 3) or not np.allclose(turn @ turn.T, np.eye(3), atol=1e-9):
-            raise InvalidParameter("must be a 3 x 3 rotation matrix", where="rotation")
-        if np.linalg.det(turn) < 0:
-            raise InvalidParameter("must not mirror: its determinant is -1", where="rotation")
         return replace(self, points=self.points @ turn.T + np.asarray(translation, dtype=float))
 
+    @takes(materials=MATERIAL)
     def with_materials(self, materials: Mapping[str, Material] | Material) -> SolidMesh:
         """Return the mesh with these materials: by group, or one for all cells that have none."""
         from flexarm.solids.assigned import with_materials
 
         return with_materials(self, materials)
 
+    @takes(name=TEXT)
     def with_point_set(self, name: str, points: ArrayLike) -> Self:
         """Return the mesh with one more set of points."""
         return replace(self, point_sets={**self.point_sets, name: np.asarray(points)})
 
+    @takes(lower=VECTOR, upper=VECTOR)
     def points_in_box(self, lower: ArrayLike, upper: ArrayLike) -> Ints:
         """Return the points with lower <= (x, y, z) <= upper [m]; `-inf` and `inf` leave a side open.
 
@@ -224,12 +239,14 @@ class SolidMesh:
         inside = (self.points >= np.asarray(lower)) & (self.points <= np.asarray(upper))
         return np.flatnonzero(inside.all(axis=1))
 
+    @takes(tolerance=NUMBER)
     def merged(self, tolerance: float) -> SolidMesh:
         """Merge points closer than `tolerance` [m]."""
         from flexarm.solids.joining import merge_points
 
         return merge_points(self, tolerance)
 
+    @takes(other=SOLID, tolerance=NUMBER)
     def joined(self, other: SolidMesh, tolerance: float = 0.0) -> SolidMesh:
         """Join this mesh and another; merge points closer than `tolerance` [m]."""
         from flexarm.solids.joining import join

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.arguments import PATH, takes
+from flexarm.arguments import NUMBER, PATH, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.pictures import drawn, viewed
@@ -99,6 +99,7 @@ class Statics(Result):
 
         return cls(**stored(path))
 
+    @takes(scale=NUMBER)
     def plot(self, ax: Axes | None = None, scale: float | None = None) -> Axes:
         """Draw the deformed arm over the rigid one, in the plane in which it reaches farthest.
 

@@ -12,7 +12,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.arguments import ARRAY, FLAG, NAMES, PATH, POSITIVE, SHARE, TABLES, TEXT, holds, takes
+from flexarm.arguments import (
+    ARRAY,
+    FLAG,
+    NAMES,
+    PATH,
+    POSITIVE,
+    ROTATION,
+    SHARE,
+    TABLES,
+    TEXT,
+    VECTOR,
+    holds,
+    takes,
+)
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.pictures import viewed
@@ -140,6 +153,7 @@ class SuperElement:
     def _inertia(self) -> RigidInertia:
         return rigid_inertia(self.mass, self.positions)
 
+    @takes(name=TEXT)
     def interface(self, name: str) -> tuple[Floats, Floats]:
         """Return the rotation (3, 3) and position (3,) of an interface in the part's frame.
 
@@ -190,6 +204,7 @@ class SuperElement:
                 first.what, where=f"super-element {self.name!r}: {first.where}", problems=tuple(problems)
             )
 
+    @takes(rotation=ROTATION, translation=VECTOR)
     def moved(self, rotation: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SuperElement:
         """Return the part seen from a frame in which its own stands at (rotation, translation).
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.arguments import AXES, COUNT, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
@@ -26,6 +27,7 @@ COLUMNS = 3
 """Of a figure of several modes."""
 
 
+@takes(ax=AXES)
 def draw(of: Any, ax: Axes | None = None, **options: Any) -> Axes:
     """Draw an arm, an equilibrium or modes with Matplotlib, with the options of its method `plot`.
 
@@ -40,6 +42,7 @@ def draw(of: Any, ax: Axes | None = None, **options: Any) -> Axes:
     raise InvalidParameter(f"must be an Arm, Statics or Modes, got {type(of).__name__}", where="draw")
 
 
+@takes(mode=COUNT)
 def _modes(found: Modes, ax: Axes | None, mode: int | None = None) -> Axes:
     import matplotlib.pyplot as plt
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from log_files import FORMATS
 from mutations import mutated
 
 from torture.campaign import Campaign
@@ -65,12 +66,71 @@ def _matrices(path: Path) -> object:
     return accept_matrices("K.mtx", "M.mtx", grids="grids.bdf", order=order, unit="mm")
 
 
-def _diagnosis(path: Path) -> object:
-    from flexarm import Diagnosis
+def _in(name: str) -> Callable[[Path], object]:
+    """A reader of the directory that a file lies in."""
+    return lambda path: _library(name)(path.parent)
 
-    return Diagnosis.load(path.parent)
+
+def _logged(map_: str) -> Callable[[Path], object]:
+    """What a map makes of a log, and what is guessed of a log that is one file."""
+
+    def read(path: Path) -> object:
+        from flexarm import import_record
+        from flexarm.importing.guess import guess_map
+
+        if path.name != map_ and path.parent.name == "logs":
+            guess_map([path], Path("crane.toml"), Path("guess.toml"))
+        return import_record(f"logs/{map_}").check()
+
+    return read
 
 
+def _of_logs() -> dict[str, Reader]:
+    """Readers of logs by file, each with its map; a map reads a text."""
+    found = {}
+    for name in (*(name for name in FORMATS if not name.startswith("ros2")), *IN_FOLDERS):
+        log = name.partition("/")[0]
+        others = [f"logs/{other}" for other in IN_FOLDERS if other.startswith(f"{log}/") and other != name]
+        beside = ("crane.toml", f"logs/{log}.toml", *others)
+        found[f"logs/{name}"] = Reader("import_record", _logged(f"{log}.toml"), beside)
+    text = "motive.csv"
+    found[f"logs/{text}.toml"] = Reader("import_record", _logged(f"{text}.toml"), (f"logs/{text}",))
+    return found
+
+
+IN_FOLDERS = (
+    *("ros2_mcap/metadata.yaml", "ros2_mcap/ros2_mcap.mcap"),
+    *("ros2_sqlite/metadata.yaml", "ros2_sqlite/ros2_sqlite.db3"),
+)
+"""Logs that are folders of files."""
+
+
+def _campaign(path: Path) -> object:
+    from flexarm import Campaign
+
+    found = Campaign.load(path.parent)
+    with found.dataset as data:
+        return found.summary(), list(data)
+
+
+def _study(path: Path) -> object:
+    from flexarm.campaigns.plan import planned
+
+    return planned(path).remarks
+
+
+def _exported(name: str) -> Callable[[Path], object]:
+    """What changes a file of another program."""
+
+    def read(path: Path) -> object:
+        import flexarm
+
+        return getattr(flexarm, name)(flexarm.Arm.from_toml("example/arm.toml"), path, "new.xml")
+
+    return read
+
+
+FIT = ("fit/calibration.json", "fit/updated.toml", "fit/gaps.nc")
 CSV = ("record.toml", "hinge.csv", "torque.csv", "tip.csv", "mid.csv")
 RECORD = tuple(f"example/slow/{name}" for name in CSV)
 MESH = Reader("read_mesh", _library("read_mesh"))
@@ -89,7 +149,15 @@ READERS: dict[str, Reader] = {
     "linear.nc": LINEAR,
     "linear.mat": LINEAR,
     "state.npz": Reader("State.load", _library("State.load")),
-    "diagnosis/report.json": Reader("Diagnosis.load", _diagnosis, ("diagnosis/updated.toml",)),
+    "diagnosis/report.json": Reader("Diagnosis.load", _in("Diagnosis.load"), ("diagnosis/updated.toml",)),
+    "fit/calibration.json": Reader("Calibration.load", _in("Calibration.load"), FIT),
+    "fit/gaps.nc": Reader("Calibration.load", _in("Calibration.load"), FIT),
+    "study/study.json": Reader("Campaign.load", _campaign, ("study/results.nc",)),
+    "study/results.nc": Reader("Campaign.load", _campaign, ("study/study.json",)),
+    "example/study.toml": Reader("campaign", _study, ("example/arm.toml",)),
+    "example/robot.urdf": Reader("export_urdf", _exported("export_urdf"), ("example/arm.toml",)),
+    "example/robot.xml": Reader("export_mjcf", _exported("export_mjcf"), ("example/arm.toml",)),
+    **_of_logs(),
     **dict.fromkeys(
         ("bar.inp", "assembly.inp", "bar.bdf", "four.msh", "newer.msh", "ring.vtu", "packed.vtu"), MESH
     ),
@@ -105,7 +173,7 @@ def case(number: int, rng: random.Random, seeds: Path) -> Case:
     reader = READERS[name]
     files = {beside: (seeds / beside).read_bytes() for beside in reader.beside}
     *_, (how, files[name]) = mutated((seeds / name).read_bytes(), rng.randrange(1 << 30), rng.randint(1, 8))
-    step = Step(f"{reader.label}({name!r})", lambda: reader.read(Path(name)))
+    step = Step(f"{reader.label}({name!r})", lambda: reader.read(Path(name)), writes=("new.xml",))
     return Case(f"{name}, {how}", (step,), files)
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import tomlkit
 
 from torture.campaign import Campaign
+from torture.campaigns.processes import COMMANDS, WRITES, needed
 from torture.sandbox import Case, command
 
 MISSING, HUGE = object(), "@HUGE@"
@@ -52,8 +53,10 @@ EXTRA: dict[str, str] = {
     "a urdf elsewhere": '\nurdf = "/dev/zero"\n',
     "a part elsewhere": '\n[[links]]\nname = "part"\ntype = "superelement"\nfile = "/dev/zero"\n',
 }
-MODELS = {"crane.toml": "hinge", "three_joints.toml": "waist"}
+MODELS = {"crane.toml": "hinge", "three_joints.toml": "waist", "telescopic_crane.toml": "boom_pin"}
 """What is spoiled, and the joint that its drive moves."""
+OTHERS = ("study.toml", "log.toml")
+"""Tables of other commands: those of `COMMANDS` that name them."""
 
 
 def leaves(value: Any, path: tuple = ()) -> Iterator[tuple]:
@@ -91,8 +94,8 @@ def as_toml(data: dict[str, Any]) -> bytes:
 def spoilt(seeds: Path) -> list[tuple[str, str, tuple, Any]]:
     """File, what is done, where and with which value; in an order that mixes them."""
     found: list[tuple[str, str, tuple, Any]] = []
-    for file in MODELS:
-        data = tomllib.loads((seeds / file).read_text())
+    for file in (*MODELS, *OTHERS):
+        data = tomllib.loads(text_of(file, seeds))
         for path in leaves(data):
             old = at(data, path)
             if isinstance(old, bool) or not isinstance(old, int | float | str):
@@ -125,10 +128,15 @@ def spoilt(seeds: Path) -> list[tuple[str, str, tuple, Any]]:
     return found
 
 
+def text_of(file: str, seeds: Path) -> str:
+    """The right text of a file that is spoiled."""
+    return needed(seeds)[file].decode() if file in OTHERS else (seeds / file).read_text()
+
+
 def case(number: int, rng: random.Random, seeds: Path) -> Case:
     found = spoilt(seeds)
     file, how, place, value = found[number % len(found)]
-    content = (seeds / file).read_text()
+    content = text_of(file, seeds)
     if how == "value":
         data = tomllib.loads(content)
         if value == "copy":
@@ -147,6 +155,9 @@ def case(number: int, rng: random.Random, seeds: Path) -> Case:
         piece = value if how == "attribute" else content[start:end] * value
         changed = (content[:start] + piece + content[end:]).encode()
         told = f"{file}: {content[max(0, start - 20) : end]!r} becomes {piece[:60]!r}"
+    if file in OTHERS:
+        words = next(words for _, words in COMMANDS.values() if file in words)
+        return Case(told, (command(*words, writes=WRITES),), needed(seeds) | {file: changed})
     name = "arm.urdf" if file == "arm.urdf" else "arm.toml"
     drive = (seeds / "drive.csv").read_text().replace("hinge", MODELS.get(file, "hinge"))
     steps = (
@@ -158,4 +169,4 @@ def case(number: int, rng: random.Random, seeds: Path) -> Case:
     return Case(told, steps, {name: changed, "drive.csv": drive.encode()})
 
 
-CAMPAIGN = Campaign("models", "malformed models", case, 5800, 100)
+CAMPAIGN = Campaign("models", "malformed models, maps and studies", case, 8000, 120)

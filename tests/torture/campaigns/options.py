@@ -6,8 +6,8 @@ import random
 from pathlib import Path
 
 from torture.campaign import Campaign
-from torture.campaigns.processes import COMMANDS, needed
-from torture.sandbox import Case, command
+from torture.campaigns.processes import COMMANDS, WRITES, needed
+from torture.sandbox import CPU, Case, command
 
 NUMBERS = (
     "",
@@ -51,7 +51,26 @@ OPTIONS: dict[str, dict[str, tuple[str, ...]]] = {
     "modes": {"--joint": NAMES, "--count": COUNTS},
     "static": {"--joint": NAMES},
     "compare": {"--step": NUMBERS, "--nothing": NAMES},
-    "check": {"--nothing": NAMES},
+    "check": {"--nothing": NAMES, "--max-seconds": NUMBERS},
+    "example": {"--nothing": NAMES},
+    "import": {"--model": PATHS, "--out": PATHS},
+    "diagnose": {
+        **{option: NUMBERS for option in ("--step", "--max-seconds")},
+        **{option: COUNTS for option in ("--jobs", "--seed")},
+        **{option: PATHS for option in ("--hold-out", "--out")},
+    },
+    "calibrate": {
+        **{option: NUMBERS for option in ("--step", "--max-seconds")},
+        **{"--family": NAMES, "--jobs": COUNTS, "--hold-out": PATHS, "--out": PATHS},
+    },
+    "plan": {"--drive": PATHS, "--jobs": COUNTS, "--out": PATHS},
+    "campaign": {"--scheduler": ("", "x", "tcp://127.0.0.1:1"), "--jobs": COUNTS, "--out": PATHS},
+    "export": {"--urdf": PATHS, "--mjcf": PATHS, "--unit": NAMES, "--out": PATHS},
+    "view": {
+        **{option: PATHS for option in ("--record", "--model", "--mesh", "--out")},
+        **{"--joint": NAMES, "--scale": NUMBERS},
+    },
+    "reproduce": {"--nothing": NAMES},
     "reduce": {
         "--unit": (*NAMES, "mm", "km"),
         "--interface": (*NAMES, "a=BORE:soft", "c=BORE"),
@@ -65,7 +84,9 @@ OPTIONS: dict[str, dict[str, tuple[str, ...]]] = {
         "--out": PATHS,
     },
 }
-RIGHT = {name: words for name, (_, words) in COMMANDS.items()} | {"static": ("static", "arm.toml")}
+RIGHT = {name: words for name, (_, words) in COMMANDS.items()} | {"reproduce": ("reproduce",)}
+SEARCHES = ("diagnose", "calibrate", "plan")
+"""Commands that may take a minute where the wrong option is none."""
 TRIALS = [
     (name, option, value)
     for name, options in OPTIONS.items()
@@ -82,9 +103,9 @@ def case(number: int, rng: random.Random, seeds: Path) -> Case:
         words[words.index(option) + 1] = value
     else:
         words += [option, value]
-    writes = ("run", "arm.mat", "part.nc", "nowhere", *PATHS)
     label = f"{name} {option} {value[:40]!r}"
-    return Case(label, (command(*words, writes=writes),), needed(seeds))
+    step = command(*words, writes=(*WRITES, "nowhere", *PATHS), cpu=60 if name in SEARCHES else CPU)
+    return Case(label, (step,), needed(seeds))
 
 
 CAMPAIGN = Campaign("options", "wrong options of the command line", case, len(TRIALS), 40)

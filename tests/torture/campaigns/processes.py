@@ -24,15 +24,41 @@ COMMANDS: dict[str, tuple[float, tuple[str, ...]]] = {
     "check": (1.0, ("check", "arm.toml", "slow")),
     "compare": (1.0, ("compare", "arm.toml", "slow")),
     "diagnose": (4.0, ("diagnose", "arm.toml", "slow", "--jobs", "1", "--out", "why")),
+    "calibrate": (4.0, ("calibrate", "arm.toml", "slow", "--jobs", "1", "--out", "fit")),
+    "plan": (3.0, ("plan", "arm.toml", "--drive", "slow", "--jobs", "1", "--out", "plan")),
+    "campaign": (1.5, ("campaign", "study.toml", "--jobs", "1", "--out", "study")),
+    "import": (0.8, ("import", "log.toml", "--out", "record")),
+    "export": (0.7, ("export", "arm.toml", "--urdf", "robot.urdf", "--out", "new.urdf")),
+    "view": (1.0, ("view", "arm.toml", "--out", "arm.html")),
+    "example": (0.7, ("example", "tryout")),
+    "static": (0.5, ("static", "arm.toml", "--joint", "hinge=0.4")),
 }
-"""Seconds of CPU that a command takes, roughly, and its words."""
+"""Seconds of CPU that a command takes, roughly, and its words. `reproduce` runs for minutes and has none."""
+WRITES = (
+    "run",
+    "part.nc",
+    "arm.mat",
+    "why",
+    "fit",
+    "plan",
+    "study",
+    "record",
+    "new.urdf",
+    "arm.html",
+    "tryout",
+)
 
 
 def needed(seeds: Path) -> dict[str, bytes]:
     """The files that the commands read."""
     example = seeds / "example"
     found = [*example.glob("*.*"), *(example / "slow").iterdir()]
-    return {str(path.relative_to(example)): path.read_bytes() for path in found}
+    files = {str(path.relative_to(example)): path.read_bytes() for path in found}
+    log = "motive.csv"
+    return files | {
+        log: (seeds / "logs" / log).read_bytes(),
+        "log.toml": (seeds / "logs" / f"{log}.toml").read_bytes(),
+    }
 
 
 @dataclass

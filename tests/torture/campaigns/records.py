@@ -137,7 +137,12 @@ RAW = {
     "tabs": b"time_s\tx\n0\t1\n",
     "a page": b"<!DOCTYPE html><html></html>",
 }
-FILES = ("hinge.csv", "torque.csv", "tip.csv", "mid.csv")
+RECORDS = {
+    "slow": ("hinge.csv", "torque.csv", "tip.csv", "mid.csv"),
+    "poses": ("poses.csv",),
+    "responses": ("frf.csv",),
+}
+"""Records that are spoilt, and their CSV files."""
 CLOCKS = (
     '"unknown"',
     "-1",
@@ -152,31 +157,32 @@ CLOCKS = (
 
 
 @cache
-def spoilt(seeds: Path) -> list[tuple[str, str, Any, Any]]:
-    """File, what is done, where and with which value; in an order that mixes them."""
-    record = seeds / "example" / "slow" / "record.toml"
-    found: list[tuple[str, str, Any, Any]] = []
-    data = tomllib.loads(record.read_text())
-    for path in leaves(data):
-        old = at(data, path)
-        plain = not isinstance(old, bool) and isinstance(old, int | float | str)
-        values = (*WRONG, *(NAMES if isinstance(old, str) else NUMBERS)) if plain else (*WRONG, "copy")
-        found += [("record.toml", "value", path, value) for value in values]
-    found += [("record.toml", "clock", name, value) for name in ("controller", "tracker") for value in CLOCKS]
-    found += [(file, "rows", name, change) for file in FILES for name, change in DAMAGE.items()]
-    found += [(file, "raw", name, content) for file in FILES for name, content in RAW.items()]
-    found += [("hinge.csv", "span", name, change) for name, change in SPANS.items()] * 2
+def spoilt(seeds: Path) -> list[tuple[str, str, str, Any, Any]]:
+    """Record, file, what is done, where and with which value; in an order that mixes them."""
+    found: list[tuple[str, str, str, Any, Any]] = []
+    for record, files in RECORDS.items():
+        data = tomllib.loads((seeds / "example" / record / "record.toml").read_text())
+        for path in leaves(data):
+            old = at(data, path)
+            plain = not isinstance(old, bool) and isinstance(old, int | float | str)
+            values = (*WRONG, *(NAMES if isinstance(old, str) else NUMBERS)) if plain else (*WRONG, "copy")
+            found += [(record, "record.toml", "value", path, value) for value in values]
+        found += [(record, file, "rows", name, change) for file in files for name, change in DAMAGE.items()]
+        found += [(record, file, "raw", name, content) for file in files for name, content in RAW.items()]
+    clocks = ("controller", "tracker")
+    found += [("slow", "record.toml", "clock", name, value) for name in clocks for value in CLOCKS]
+    found += [("slow", "hinge.csv", "span", name, change) for name, change in SPANS.items()] * 2
     random.Random(0).shuffle(found)
     return found
 
 
 def case(number: int, rng: random.Random, seeds: Path) -> Case:
     found = spoilt(seeds)
-    file, how, place, value = found[number % len(found)]
-    directory = seeds / "example" / "slow"
-    files = {f"slow/{path.name}": path.read_bytes() for path in directory.iterdir()}
-    content = files[f"slow/{file}"].decode()
-    told = f"{file}: {how} {place}"
+    record, file, how, place, value = found[number % len(found)]
+    directory = seeds / "example" / record
+    files = {f"{record}/{path.name}": path.read_bytes() for path in directory.iterdir()}
+    content = files[f"{record}/{file}"].decode()
+    told = f"{record}/{file}: {how} {place}"
     if how == "value":
         data = tomllib.loads(content)
         if value == "copy" and isinstance(place[-1], int):
@@ -184,26 +190,28 @@ def case(number: int, rng: random.Random, seeds: Path) -> Case:
             changed = as_toml(data)
         else:
             changed = as_toml(replaced(data, place, value))
-        told = f"{file}: {'.'.join(map(str, place))} = {'left out' if value is MISSING else repr(value)[:60]}"
+        told = (
+            f"{record}: {'.'.join(map(str, place))} = {'left out' if value is MISSING else repr(value)[:60]}"
+        )
     elif how == "clock":
         lines = [
             f"{place} = {value}" if line.startswith(f"{place} =") else line for line in content.splitlines()
         ]
-        changed, told = "\n".join(lines).encode(), f"{file}: clock {place} = {value}"
+        changed, told = "\n".join(lines).encode(), f"{record}: clock {place} = {value}"
     else:
         changed = value if how == "raw" else text_of(value(rows_of(content)))
-    files |= {f"slow/{file}": changed, "arm.toml": (seeds / "example" / "arm.toml").read_bytes()}
+    files |= {f"{record}/{file}": changed, "arm.toml": (seeds / "example" / "arm.toml").read_bytes()}
     steps = [
-        command("check", "slow"),
-        command("check", "arm.toml", "slow", must_tell=how == "span"),
-        command("compare", "arm.toml", "slow", must_tell=how == "span"),
+        command("check", record),
+        command("check", "arm.toml", record, must_tell=how == "span"),
+        command("compare", "arm.toml", record, must_tell=how == "span"),
     ]
     if how == "span" or number % 50 == 0:
         why = ("--jobs", "1", "--out", "why")
         steps.append(
-            command("diagnose", "arm.toml", "slow", *why, writes=("why",), must_tell=how == "span", cpu=120)
+            command("diagnose", "arm.toml", record, *why, writes=("why",), must_tell=how == "span", cpu=120)
         )
     return Case(told, tuple(steps), files, wall=300)
 
 
-CAMPAIGN = Campaign("records", "malformed records", case, 1600, 50)
+CAMPAIGN = Campaign("records", "malformed records", case, 2400, 60)

@@ -8,10 +8,10 @@ import time
 from pathlib import Path
 
 from torture.campaign import Campaign
-from torture.campaigns.processes import COMMANDS, after, ended, must, needed, send, started
+from torture.campaigns.processes import COMMANDS, WRITES, after, ended, must, needed, send, started
 from torture.sandbox import Case, Step
 
-KILLED = ("simulate", "reduce", "linearise", "diagnose")
+KILLED = tuple(name for name, (_, words) in COMMANDS.items() if "--out" in words)
 """Commands that write."""
 SLOW = 1.0
 """CPU that a command may use after an interrupt [s]: 0.3 s is asked for, the rest is a busy machine's."""
@@ -33,6 +33,9 @@ def entries() -> set[str]:
 
 def whole(name: str) -> None:
     """Loads what a command wrote: a torn file fails."""
+    import json
+    from xml.etree import ElementTree
+
     import flexarm
 
     loads = {
@@ -40,6 +43,14 @@ def whole(name: str) -> None:
         "reduce": lambda: flexarm.SuperElement.load("part.nc"),
         "linearise": lambda: flexarm.LinearModel.load("arm.mat"),
         "diagnose": lambda: flexarm.Diagnosis.load("why"),
+        "calibrate": lambda: flexarm.Calibration.load("fit"),
+        "plan": lambda: json.loads(Path("plan/plan.json").read_text()),
+        "campaign": lambda: flexarm.Campaign.load("study").dataset.close(),
+        "import": lambda: flexarm.Record.load("record"),
+        "export": lambda: ElementTree.parse("new.urdf"),
+        "view": lambda: must(
+            Path("arm.html").read_text().rstrip().endswith("</html>"), "wrong result", "no end"
+        ),
     }
     try:
         loads[name]()
@@ -100,7 +111,7 @@ def kill_case(number: int, rng: random.Random, seeds: Path) -> Case:
     name = rng.choice(KILLED)
     seconds = instant(name, rng)
     label = f"{name} killed after {told(seconds)}"
-    step = Step(label, lambda: killed(name, seconds), writes=("run", "part.nc", "arm.mat", "why"), cpu=300)
+    step = Step(label, lambda: killed(name, seconds), writes=WRITES, cpu=300)
     return Case(label, (step,), needed(seeds), wall=600)
 
 
@@ -108,9 +119,7 @@ def interrupt_case(number: int, rng: random.Random, seeds: Path) -> Case:
     name, sent = rng.choice(list(COMMANDS)), rng.choice(list(ENDS))
     seconds = instant(name, rng)
     label = f"{name} gets {sent.name} after {told(seconds)}"
-    step = Step(
-        label, lambda: interrupted(name, sent, seconds), writes=("run", "part.nc", "arm.mat", "why"), cpu=300
-    )
+    step = Step(label, lambda: interrupted(name, sent, seconds), writes=WRITES, cpu=300)
     return Case(label, (step,), needed(seeds), wall=600)
 
 

@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from torture.campaign import Campaign
-from torture.campaigns.processes import COMMANDS, Ended, after, ended, must, needed, started
+from torture.campaigns.processes import COMMANDS, WRITES, Ended, after, ended, must, needed, started
 from torture.campaigns.signals import KILLED, entries, whole
 from torture.outcome import of_command
 from torture.sandbox import Case, Step
 
-WRITES = ("run", "part.nc", "arm.mat", "why")
 OWN: dict[str, tuple[str, ...]] = {
     "slow": ("simulate", "arm.toml", "--drive", "slow", "--out", "slow", "--force"),
     "model.mat": ("linearise", "model.mat", "--out", "model.mat", "--force"),
@@ -130,4 +129,6 @@ def case(number: int, rng: random.Random, seeds: Path) -> Case:
     return Case(label, (step,), files, wall=600)
 
 
-CAMPAIGN = Campaign("surroundings", "full disks, two runs at once, streams, environments", case, 178, 10)
+CAMPAIGN = Campaign(
+    "surroundings", "full disks, two runs at once, streams, environments", case, len(trials()), 10
+)

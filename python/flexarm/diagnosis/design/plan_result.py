@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arguments import TEXT, takes
+from flexarm.arm.consistency import missing
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.settings import DESIGN
+from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
 
 if TYPE_CHECKING:
@@ -161,15 +164,17 @@ class Plan(SavedAsDirectory):
     assumed: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
+    @takes(name=TEXT, at=TEXT)
     def effect(self, name: str, at: str) -> PlannedEffect:
         """Return an effect by name and place.
 
-        Raise KeyError if it was not planned for.
+        Raise InvalidParameter if it was not planned for.
         """
         for each in self.effects:
             if each.place == (name, at):
                 return each
-        raise KeyError(f"{name} at {at} was not planned for")
+        planned = [f"{each.name} at {each.at}" for each in self.effects]
+        raise InvalidParameter(missing("planned effect", f"{name} at {at}", planned))
 
     def tie(self, one: Place, other: Place) -> Tie | None:
         """Return the tie of two effects; None if the experiment parts them."""
