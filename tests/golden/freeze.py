@@ -25,9 +25,8 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 COUNTS = {"single": 12, "double": 7, "poor": 4, "none": 4, "outside": 4, "fault": 4}
 """Cases drawn from a seed, by group."""
-RELATIVE, OF_SIGMA = 1e-3, 0.1
-"""Differences of numbers that count as rounding: of the number itself, and of its standard deviation. Values
-that data hardly tell apart move by hundredths of sigma with 1e-7 m in a prediction."""
+RELATIVE, OF_SIGMA = 1e-4, 1e-3
+"""Differences of numbers that count as rounding: of the number itself, and of its standard deviation."""
 
 
 def answer_of(report: dict[str, Any]) -> dict[str, Any]:

@@ -199,22 +199,6 @@ TwistMatrix<D> BeamElementIn<D>::shape_matrix(double xi) const {
   return N;
 }
 
-template <int D>
-FrameIn<D> BeamElementIn<D>::interpolate(const FrameD& H1, const FrameD& H2, double xi) const {
-  const TwistD e = logarithm<D>(relative<D>(H1, H2)) - d0_;
-  return H1 * exponential<D>(xi * d0_ + shape_matrix(xi) * e);
-}
-
-template <int D>
-Twist<D> BeamElementIn<D>::interpolate_velocity(const FrameD& H1, const FrameD& H2, const TwistD& v1,
-                                                const TwistD& v2, double xi) const {
-  const TwistD d = logarithm<D>(relative<D>(H1, H2));
-  const TwistMatrix<D> N = shape_matrix(xi);
-  const TwistD c = xi * d0_ + N * (d - d0_);
-  const TwistD c_dot = N * InverseTangentIn<D>(d).strain_rate(v1, v2);
-  return adjoint<D>(exponential<D>(-c)) * v1 + geometry::right_tangent<D>(c) * c_dot;
-}
-
 template class BeamElementIn<2>;
 template class BeamElementIn<3>;
 

@@ -64,8 +64,7 @@ bool same_structure(const SystemIn<D>& one, const SystemIn<D>& other) {
                }) &&
          alike(one.joints(), other.joints(),
                [](const auto& a, const auto& b) { return a.theta == b.theta && a.phi == b.phi; }) &&
-         alike(one.points(), other.points(),
-               [](const auto& a, const auto& b) { return a.node == b.node && a.element == b.element; });
+         one.points().size() == other.points().size();
 }
 
 template <int D>
@@ -73,6 +72,7 @@ ArmNumbersIn<D>::ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms,
                               const std::vector<LoadsIn<D>>& loads, int lanes)
     : lanes_(lanes) {
   for (const SystemIn<D>* arm : arms) welds_.push_back(std::make_unique<solvers::WeldsIn<D>>(*arm, true));
+  place_points(arms);
   lay_out(*arms.front());
   unknowns_.resize(static_cast<std::size_t>(arms_.n_reduced));
   for (int k = 0; k < arms.front()->n_unknowns(); ++k) {
@@ -83,6 +83,20 @@ ArmNumbersIn<D>::ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms,
     const std::size_t which = lane < count(arms) ? static_cast<std::size_t>(lane) : 0;
     fill(lane, *arms[which], loads[which]);
   }
+}
+
+/// Sections for points that are not on the same node of all arms.
+template <int D>
+void ArmNumbersIn<D>::place_points(const std::vector<const SystemIn<D>*>& arms) {
+  int n_sections = 0;
+  for (std::size_t p = 0; p < arms.front()->points().size(); ++p) {
+    const int node = arms.front()->points()[p].node;
+    const bool on_node = std::all_of(arms.begin(), arms.end(), [&](const SystemIn<D>* arm) {
+      return arm->points()[p].element < 0 && arm->points()[p].node == node;
+    });
+    points_.push_back(on_node ? PointPlace{node, -1} : PointPlace{-1, n_sections++});
+  }
+  section_nodes_.resize(static_cast<std::size_t>(2 * n_sections * lanes_));
 }
 
 /// Places, and room for numbers.
@@ -105,7 +119,6 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
   for (const auto& law : arm.laws()) laws_.push_back({law.plus, law.minus, has_three_numbers(law)});
   carriers_ = welds.carriers();
   for (const auto& follower : welds.followers()) followers_.push_back({follower.node, follower.carrier});
-  for (const auto& point : arm.points()) point_nodes_.push_back(point.node);
   for (std::size_t j = 0; j < arm.joints().size(); ++j) {
     const auto& at = arm.joints()[j];
     if (at.theta >= 0) outputs_.push_back({at.theta, at.phi, static_cast<int>(j)});
@@ -147,9 +160,11 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
            .order = nullptr,
            .parts = nullptr,
            .separator = nullptr,
-           .n_points = count(point_nodes_),
-           .point_nodes = point_nodes_.data(),
-           .point_offsets = room(point_offsets_, D * count(point_nodes_)),
+           .n_points = count(points_),
+           .points = points_.data(),
+           .point_offsets = room(point_offsets_, D * count(points_)),
+           .section_nodes = section_nodes_.data(),
+           .sections = room(sections_, (n + 2) * n * count(section_nodes_) / (2 * lanes_)),
            .n_outputs = count(outputs_),
            .outputs = outputs_.data(),
            .turns = {},
@@ -202,6 +217,24 @@ void ArmNumbersIn<D>::fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& l
   mass_scale_(0, lane) = solvers::constraint_scale(arm);
   row = 0;
   for (const auto& point : arm.points()) row = point_offsets_.put(row, lane, point.offset.x);
+  fill_sections(lane, arm);
+}
+
+/// On a node: where a section begins.
+template <int D>
+void ArmNumbersIn<D>::fill_sections(int lane, const SystemIn<D>& arm) {
+  int row = 0;
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    if (points_[p].section < 0) continue;
+    const auto& at = arm.points()[p];
+    const auto* beam = at.element < 0 ? nullptr : &arm.beams()[static_cast<std::size_t>(at.element)];
+    const auto section = beam == nullptr ? elements::BeamSection<D>{} : beam->section(at.xi);
+    for (const auto* strain : {&section.whole, &section.rest}) row = sections_.put(row, lane, *strain);
+    row = sections_.put(row, lane, section.N);
+    const int first = 2 * points_[p].section * lanes_ + lane;
+    section_nodes_[static_cast<std::size_t>(first)] = at.node;
+    section_nodes_[static_cast<std::size_t>(first + lanes_)] = beam == nullptr ? at.node : beam->node2();
+  }
 }
 
 /// Room for inverses that are cut like this one.

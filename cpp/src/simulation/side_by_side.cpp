@@ -46,12 +46,6 @@ bool records_what_lanes_have(const TransientOptions& options) {
   return !options.record_rotations && !options.record_energies && !options.record_forces;
 }
 
-template <int D>
-bool points_at_nodes(const assembly::SystemIn<D>& system) {
-  return std::all_of(system.points().begin(), system.points().end(),
-                     [](const auto& point) { return point.element < 0; });
-}
-
 /// Locked joints stay where they are: only then do drives mean the same.
 template <int D>
 bool same_start(const Placed<D>& one, const Placed<D>& other) {
@@ -244,8 +238,7 @@ class Group {
 template <int D>
 void sort_in(Placed<D> arm, const TransientOptions& options, std::vector<std::vector<Placed<D>>>& groups) {
   arm.state.t = arm.state.start = options.start;
-  if (!lanes::suits(*arm.system, arm.loads) || (options.record_points && !points_at_nodes(*arm.system)))
-    return;
+  if (!lanes::suits(*arm.system, arm.loads)) return;
   const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& others) {
     return lanes::same_structure(*others.front().system, *arm.system) && same_start(others.front(), arm);
   });

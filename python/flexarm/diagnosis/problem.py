@@ -98,7 +98,7 @@ class Problem:
     _kernels: dict[Any, list[tuple[Floats, Floats]]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.simulations = SimulationCache(self.records, self.step, self.alpha, self.arm.points)
+        self.simulations = SimulationCache(self.records, self.step, self.alpha)
         rows: list[Rows] = []
         pairs = [self.simulations.run(name, self.arm) for name in self.records]
         motions = all(record.kind == "motion" for record in self.records.values())
@@ -166,7 +166,7 @@ class Problem:
         found = self.fresh()
         found.records, found.simulations = (
             records,
-            SimulationCache(records, self.step, self.alpha, self.arm.points),
+            SimulationCache(records, self.step, self.alpha),
         )
         return found
 

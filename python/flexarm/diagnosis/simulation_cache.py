@@ -10,14 +10,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from flexarm import _core
-from flexarm.arm import Arm, Point
+from flexarm.arm import Arm
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, end_of_simulation, require_known_drive
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses, with_turned
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
-from flexarm.diagnosis.moved_points import MovedPoints
 from flexarm.drive import Drive, JointDrive
 from flexarm.drive.lead_in import jerked
 from flexarm.errors import InvalidParameter, NotConverged
@@ -37,14 +36,12 @@ In shorter steps a run is so much longer, and fewer are: as much as that, or one
 class SimulationCache:
     """Cached simulations of models in the motions and poses of some records.
 
-    `step` [s] and `alpha` [-] are of all simulations, `made` is their number so far, `beside` how many go
-    side by side, and `points` are those of the stated model.
+    `step` [s] and `alpha` [-] are of all simulations, `made` is their number so far, and `beside` how many go
+    side by side.
     """
 
-    def __init__(
-        self, records: Mapping[str, Record], step: float, alpha: float, points: Sequence[Point] = ()
-    ) -> None:
-        self.records, self.step, self.alpha, self.points = records, step, alpha, points
+    def __init__(self, records: Mapping[str, Record], step: float, alpha: float) -> None:
+        self.records, self.step, self.alpha = records, step, alpha
         self.made, self.beside = 0, max(_core.lanes(), 1)
         self._kept = max(KEPT_RUNS, 2 * len(records))
         self._runs: OrderedDict[Any, SimulatedRecord] = OrderedDict()
@@ -99,18 +96,17 @@ class SimulationCache:
         from flexarm.simulation.side_by_side import side_by_side
 
         record, found = self.records[name], {}
-        alike: dict[Any, dict[Any, MovedPoints]] = {}
+        alike: dict[Any, dict[Any, Arm]] = {}
         if record.kind == "motion" and not rings_freely(record):
             for key, arm in arms.items():
                 with suppress(InvalidParameter):
-                    moved = MovedPoints(arm, self.points or arm.points)
-                    alike.setdefault(tuple(self._options(name, arm).items()), {})[key] = moved
+                    alike.setdefault(tuple(self._options(name, arm).items()), {})[key] = arm
         for options, some in alike.items():
-            pairs = [(each.at_nodes, self.drive(name, each.arm)) for each in some.values()]
+            pairs = [(arm, self.drive(name, arm)) for arm in some.values()]
             runs = side_by_side(pairs, **dict(options)) if len(pairs) > 1 else [None]
-            for (key, each), run in zip(some.items(), runs, strict=True):
+            for key, run in zip(some, runs, strict=True):
                 if run is not None:
-                    found[key] = pair_record(each.carried(run), record)
+                    found[key] = pair_record(run, record)
         self.made += len(found)
         return found
 
@@ -179,9 +175,9 @@ class SimulationCache:
         """Return the simulation along a drive."""
         from flexarm.simulation import simulate
 
-        moved, options = MovedPoints(arm, self.points or arm.points), self._options(name, arm)
+        options = self._options(name, arm)
         options["rotations"] |= rotations
-        return moved.carried(simulate(moved.at_nodes, drive, **options))
+        return simulate(arm, drive, **options)
 
     def _options(self, name: str, arm: Arm) -> dict[str, Any]:
         """Return the options of a run of a record."""

@@ -33,6 +33,7 @@
 #include <array>
 #include <cmath>
 
+#include "flexarm/elements/beam_section.hpp"
 #include "flexarm/elements/uncoupled.hpp"
 #include "flexarm/geometry/plane.hpp"
 #include "flexarm/geometry/se3.hpp"
@@ -139,12 +140,14 @@ class BeamElementIn {
   void find_tangents(const FrameD& H1, const FrameD& H2, const Ends& v, double t, bool damping,
                      bool stiffness, TangentMatrices& found) const;
 
-  /// Placement of the section at ξ in [0, 1], from the shape functions in the coordinates (1).
-  FrameD interpolate(const FrameD& H1, const FrameD& H2, double xi) const;
-
-  /// Velocity of that section in its own axes.
+  /// The section at ξ in [0, 1], from the shape functions in the coordinates (1).
+  BeamSection<D> section(double xi) const { return {d0_, xi * d0_, shape_matrix(xi)}; }
+  /// Its placement, and its velocity in its own axes.
+  FrameD interpolate(const FrameD& H1, const FrameD& H2, double xi) const { return section(xi).frame(H1, H2); }
   TwistD interpolate_velocity(const FrameD& H1, const FrameD& H2, const TwistD& v1, const TwistD& v2,
-                              double xi) const;
+                              double xi) const {
+    return section(xi).velocity(H1, H2, v1, v2);
+  }
 
   /// Share of the element's weight at its two ends: mass [kg] and first moment [kg m] of the consistent
   /// gravity load.

@@ -57,15 +57,15 @@ FrameIn<D, Real> relative(const FrameIn<D, Real>& H1, const FrameIn<D, Real>& H2
 }
 
 /// Equation (3).
-template <int D>
-TwistMatrix<D> adjoint(const FrameIn<D>& H) {
-  TwistMatrix<D> Ad = TwistMatrix<D>::Zero();
+template <int D, class Real>
+TwistMatrix<D, Real> adjoint(const FrameIn<D, Real>& H) {
+  TwistMatrix<D, Real> Ad = TwistMatrix<D, Real>::Zero();
   Ad.template topLeftCorner<D, D>() = H.R;
   if constexpr (D == 2) {
-    Ad.template topRightCorner<2, 1>() = lever_matrix<2>(H.x);
+    Ad.template topRightCorner<2, 1>() = lever_matrix<2, Real>(H.x);
     Ad(2, 2) = 1;
   } else {
-    Ad.template topRightCorner<3, 3>() = skew(H.x) * H.R;
+    Ad.template topRightCorner<3, 3>() = skew<Real>(H.x) * H.R;
     Ad.template bottomRightCorner<3, 3>() = H.R;
   }
   return Ad;

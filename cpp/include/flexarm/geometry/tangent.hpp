@@ -37,12 +37,6 @@ TwistMatrix<D> left_tangent_inverse(const Twist<D>& h) {
   return right_tangent_inverse<D>(-h);
 }
 
-/// T_r(h) of (1), as the inverse of (3).
-template <int D>
-TwistMatrix<D> right_tangent(const Twist<D>& h) {
-  return right_tangent_inverse<D>(h).inverse();
-}
-
 /// The products with (3), (4) that a two-node element needs, without forming matrices.
 ///
 /// For a strain d and a stress σ it yields T_r⁻ᵀ(d) σ and T_l⁻ᵀ(d) σ; for two twists it yields the strain
@@ -74,6 +68,13 @@ class InverseTangentIn {
     TwistD even = sigma + A_ * s2;
     if constexpr (D == 3) even += B_ * ad_transpose<D, Real>(d_, ad_transpose<D, Real>(d_, s2));
     return {even - 0.5 * s1, even + 0.5 * s1};
+  }
+
+  /// T_r⁻¹
+  TwistMatrix<D, Real> right() const {
+    TwistMatrix<D, Real> all;
+    for (int k = 0; k < freedoms<D>; ++k) all.col(k) = strain_rate(TwistD::Zero(), TwistD::Unit(k));
+    return all;
   }
 
   /// T_r⁻¹ u₂ − T_l⁻¹ u₁
@@ -115,6 +116,23 @@ class InverseTangentIn {
   TwistD d_;
   Real A_, B_ = 0;
 };
+
+/// T_r(h) of (1), as the inverse of (3), (4).
+template <int D, class Real = double>
+TwistMatrix<D, Real> right_tangent(const As<Twist<D, Real>>& h) {
+  if constexpr (std::is_same_v<Real, double>) {
+    return right_tangent_inverse<D>(h).inverse();
+  } else if constexpr (D == 2) {
+    return InverseTangentIn<D, Real>(h).right().inverse();
+  } else {  // by blocks [A B; 0 A]: numbers side by side have no pivot in common
+    const TwistMatrix<D, Real> inverse = InverseTangentIn<D, Real>(h).right();
+    const Rotation<3, Real> A = inverse.template topLeftCorner<3, 3>().inverse();
+    TwistMatrix<D, Real> T = TwistMatrix<D, Real>::Zero();
+    T.template topLeftCorner<3, 3>() = T.template bottomRightCorner<3, 3>() = A;
+    T.template topRightCorner<3, 3>() = -(A * inverse.template topRightCorner<3, 3>() * A);
+    return T;
+  }
+}
 
 /// Derivative of the strain rate T_r⁻¹(d) u₂ − T_l⁻¹(d) u₁ with respect to d at fixed twists.
 template <int D>

@@ -43,16 +43,17 @@ using Eigen::Vector3d;
 using Vector6d = Twist<3>;
 using Matrix6d = TwistMatrix<3>;
 
-/// Cross-product matrix: skew(a) b = a × b.
-inline Matrix3d skew(const Vector3d& a) {
-  Matrix3d S;
-  S << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return S;
-}
-
 /// An argument that does not decide of which numbers it is made: expressions become what is asked for.
 template <class T>
 using As = std::type_identity_t<T>;
+
+/// Cross-product matrix: skew(a) b = a × b.
+template <class Real = double>
+Rotation<3, Real> skew(const As<Point<3, Real>>& a) {
+  Rotation<3, Real> S;
+  S << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return S;
+}
 
 template <int D>
 Eigen::Block<const Twist<D>, D, 1> translation(const Twist<D>& h) {
@@ -95,12 +96,12 @@ Rotation<D> turn_matrix(const Turn<D>& omega) {
 }
 
 /// ρ~: τ → ρ × τ.
-template <int D>
-Eigen::Matrix<double, D, turns<D>> lever_matrix(const Point<D>& rho) {
+template <int D, class Real = double>
+Eigen::Matrix<Real, D, turns<D>> lever_matrix(const As<Point<D, Real>>& rho) {
   if constexpr (D == 2) {
     return {rho[1], -rho[0]};
   } else {
-    return skew(rho);
+    return skew<Real>(rho);
   }
 }
 

@@ -54,19 +54,22 @@ class ArmNumbersIn {
 
  private:
   void lay_out(const SystemIn<D>& arm);
+  void place_points(const std::vector<const SystemIn<D>*>& arms);
   void fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& loads);
+  void fill_sections(int lane, const SystemIn<D>& arm);
   bool cut_as(const solvers::DissectedInverse& inverse) const;
   void cut(const solvers::DissectedInverse& inverse);
 
   int lanes_;
   std::vector<std::unique_ptr<solvers::WeldsIn<D>>> welds_;
-  std::vector<int> beam_nodes_, body_nodes_, carriers_, point_nodes_;
+  std::vector<int> beam_nodes_, body_nodes_, carriers_, section_nodes_;
   std::vector<JointPlace> joints_;
   std::vector<LawPlace> laws_;
   std::vector<FollowerPlace> followers_;
   std::vector<JointOutput> outputs_;
+  std::vector<PointPlace> points_;
   Rows beams_, bodies_, weights_, gravity_, joint_numbers_, law_numbers_, scalar_inertia_, follower_frames_,
-      reach_, mass_scale_, point_offsets_, consistent_;
+      reach_, mass_scale_, point_offsets_, sections_, consistent_;
 
   std::vector<int> unknowns_;
   std::vector<int> cut_order_, order_;  // of `unknowns_`, and of all

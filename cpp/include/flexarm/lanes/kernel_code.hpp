@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "flexarm/elements/beam_forces.hpp"
+#include "flexarm/elements/beam_section.hpp"
 #include "flexarm/elements/rigid_body.hpp"
 #include "flexarm/elements/weight.hpp"
 #include "flexarm/geometry/pack.hpp"
@@ -311,14 +312,34 @@ class KernelCode : TurnCode<D, N, Processor> {
     }
   }
 
+  /// Where a point's node or section is, and how fast in its own axes.
+  struct Placed {
+    Frame H;
+    Twist v;
+  };
+  static Placed placed(const Arms& arms, const Motion& motion, const PointPlace& at) {
+    if (at.section < 0) return {frame(motion.frames, at.node), matrix<Twist>(motion.v, n * at.node)};
+    const int own = (2 * n + n * n) * at.section;
+    const elements::BeamSection<D, Real> section{matrix<Twist>(arms.sections, own),
+                                                 matrix<Twist>(arms.sections, own + n),
+                                                 matrix<TwistMatrix>(arms.sections, own + 2 * n)};
+    Placed ends[2];
+    for (int end = 0; end < 2; ++end) {
+      const int* nodes = arms.section_nodes + N * (2 * at.section + end);
+      ends[end] = {{matrix_by_lane<geometry::Rotation<D, Real>>(motion.frames, 0, frame_rows, nodes),
+                    matrix_by_lane<Point>(motion.frames, D * D, frame_rows, nodes)},
+                   matrix_by_lane<Twist>(motion.v, 0, n, nodes)};
+    }
+    const auto& [first, second] = ends;
+    return {section.frame(first.H, second.H), section.velocity(first.H, second.H, first.v, second.v)};
+  }
+
   [[gnu::flatten]] static void record(const Arms& arms, Motion& motion, double* rows) {
     const int offset = n * arms.n_nodes;
     for (int i = 0; i < arms.n_points; ++i) {
-      const int k = arms.point_nodes[i];
-      const Frame H = frame(motion.frames, k);
+      const auto [H, v_there] = placed(arms, motion, arms.points[i]);
       const auto lever = matrix<Point>(arms.point_offsets, D * i);
-      const Twist v =
-          geometry::adjoint_product<D>(Frame::translation(-lever), matrix<Twist>(motion.v, n * k));
+      const Twist v = geometry::adjoint_product<D>(Frame::translation(-lever), v_there);
       put_matrix(rows, 2 * D * i, Point(H * lever));
       put_matrix(rows, 2 * D * i + D, Point(H.R * v.template head<D>()));
     }

@@ -46,6 +46,11 @@ struct JointOutput {
   int theta, phi, constraint;
 };
 
+/// A point on a node of all arms, or −1 and the number of its section.
+struct PointPlace {
+  int node, section;
+};
+
 /// A joint between two links that move, which turns their axes: the places of its coordinate and, among the
 /// unknowns, of the parent's node and of its multipliers.
 struct TurningJoint {
@@ -92,8 +97,10 @@ struct Arms {
   const double* separator;
 
   int n_points;
-  const int* point_nodes;
+  const PointPlace* points;
   const double* point_offsets;  ///< (D) of each
+  const int* section_nodes;     ///< of each section the first node of every lane, then the second
+  const double* sections;       ///< d₀ (n), ξ d₀ (n), N (n²) of each, elements/beam_section.hpp
   int n_outputs;
   const JointOutput* outputs;
   Turns turns;  ///< of the kept inverse

@@ -17,6 +17,21 @@ Matrix matrix(const double* rows, int k) {
   return m;
 }
 
+/// The same where each lane has a row of its own, so many rows behind.
+template <class Matrix>
+Matrix matrix_by_lane(const double* rows, int k, int step, const int* places) {
+  using Real = typename Matrix::Scalar;
+  Matrix m;
+  for (int i = 0; i < Matrix::SizeAtCompileTime; ++i) {
+    Real number;
+    for (int lane = 0; lane < Real::lanes; ++lane) {
+      number.set(lane, rows[Real::lanes * (k + i + step * places[lane]) + lane]);
+    }
+    m.data()[i] = number;
+  }
+  return m;
+}
+
 template <int N, class Processor>
 class RowCode {
  protected:
