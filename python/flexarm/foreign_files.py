@@ -57,6 +57,8 @@ def log_kind(path: Path) -> str | None:
         return "an Excel file" if path.suffix.lower() != ".ods" else "a spreadsheet"
     if start[1:2] == b"\x50" and path.suffix.lower() == ".c3d":
         return "a C3D file"
+    if re.match(rb"\*?[14]1[\d.]{4}[+-]\w{8}", start):
+        return "a GSI file of Leica"
     return next((kind for magic, kind in LOGS.items() if start.startswith(magic)), None)
 
 

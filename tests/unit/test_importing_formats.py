@@ -193,3 +193,70 @@ def test_exports_of_laser_trackers_are_read_in_their_forms(tmp_path, form, end):
     tip = flexarm.import_record(tmp_path / "map.toml").signals["tip"]
     np.testing.assert_allclose(tip.values, np.column_stack([x, 0 * x, z]) / 1e3, atol=1e-7)
     np.testing.assert_allclose(np.diff(tip.time), np.diff(t), atol=1e-6)
+
+
+GSI_16 = """*110001+00000000000000A1 21.322+0000000010000000 81..16+0000000019786034 82..16-0000000023574287 \
+83..16+0000000014606255
+*110002+00000000000000A2 21.324+0000000009030150 81..16+0000000019786646 82..16-0000000023573775
+"""
+GSI_8 = """110001+00000017 22.323+04500000 81..00+00001978 82..08-00002357 83..01+00001000
+110002+00000018 22.323+04600000 81..00+00001979 82..08-00002358 83..01+00002000
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        (GSI_16, {"point": ["A1", "A2"], "horizontal": [90.0, 90.504167], "x": [1978.6034, 1978.6646],
+                  "y": [-2357.4287, -2357.3775], "z": [1460.6255, np.nan]}),
+        (GSI_8, {"point": ["17", "18"], "vertical": [45.0, 46.0], "x": [1.978, 1.979],
+                 "y": [-0.02357, -0.02358], "z": [0.3048, 0.6096]}),
+    ],
+    ids=["sixteen digits", "eight digits"],
+)  # fmt: skip
+def test_words_of_gsi_are_metres_and_degrees(text, wanted, tmp_path):
+    """Units by the sixth sign of a word: 0 mm, 1 ft/1000, 2 gon, 3 and 4 degrees, 6 mm/10, 8 mm/100."""
+    from flexarm.importing.formats import reader_of
+    from flexarm.importing.map_file import Dialect
+
+    (tmp_path / "job.gsi").write_text(text)
+    source = reader_of(tmp_path / "job.gsi")(tmp_path / "job.gsi", Dialect(), [])
+    assert source.names(None) == list(wanted)
+    for k, (name, values) in enumerate(wanted.items()):
+        if name == "point":
+            assert list(source.array(None, k)) == values
+        else:
+            np.testing.assert_allclose(source.array(None, k), values, rtol=1e-6)
+
+
+def test_a_gsi_file_of_targets_becomes_a_record_of_poses(tmp_path):
+    (tmp_path / "job.gsi").write_text(GSI_8)
+    (tmp_path / "angles.csv").write_text("point,angle\n17,0.1\n18,0.2\n")
+    (tmp_path / "map.toml").write_text("""
+format = "flexarm-map/1"
+kind = "static"
+drive = "hinge"
+[[signals]]
+name = "hinge"
+source = "angles.csv"
+pose = "point"
+columns = ["angle"]
+quantity = "joint_angle"
+joint = "hinge"
+[[signals]]
+name = "tip"
+source = "job.gsi"
+pose = "point"
+columns = ["x", "y", "z"]
+quantity = "position"
+point = "tip"
+""")
+    record = flexarm.import_record(tmp_path / "map.toml")
+    assert list(record.signals["tip"].pose) == list(record.signals["hinge"].pose) == ["17", "18"]
+    np.testing.assert_allclose(record.signals["tip"].values[1], [1.979, -0.02358, 0.6096], rtol=1e-6)
+
+
+def test_a_gsi_file_in_place_of_a_model_is_named(tmp_path):
+    (tmp_path / "job.gsi").write_text(GSI_16)
+    with pytest.raises(InvalidFile, match=r"is a GSI file of Leica; .*flexarm import"):
+        flexarm.Arm.from_toml(tmp_path / "job.gsi")

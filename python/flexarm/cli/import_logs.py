@@ -33,7 +33,7 @@ def import_logs(
 
     MAP says for each signal its file, columns, stamps and unit: see docs/importing.md. Formats are CSV and
     what laser trackers write as text, Parquet, Feather, Excel, MATLAB, HDF5, NetCDF, ROS bags and MCAP, TDMS,
-    MDF4, C3D and OptiTrack files. Signals keep their own instants. All that is wrong in the map and its
+    MDF4, C3D, GSI and OptiTrack files. Signals keep their own instants. All that is wrong in the map and its
     files is told at once, and then nothing is written.
 
     With --guess a map is proposed from names, rates, ranges and the model's motion. It says why for each

@@ -24,6 +24,7 @@ READERS = {
     "TDMS": "tdms.TdmsLog",
     "MDF": "mdf.MdfLog",
     "C3D": "c3d.C3dFile",
+    "GSI": "gsi.GsiFile",
 }
 """Word of the kind of a file -> its reader."""
 
