@@ -260,3 +260,47 @@ def test_a_gsi_file_in_place_of_a_model_is_named(tmp_path):
     (tmp_path / "job.gsi").write_text(GSI_16)
     with pytest.raises(InvalidFile, match=r"is a GSI file of Leica; .*flexarm import"):
         flexarm.Arm.from_toml(tmp_path / "job.gsi")
+
+
+def bag_with_camera(path, storage):
+    """A bag of 2000 joint states and 20 pictures of 1 MB."""
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_JAZZY)
+    stamp, header = store.types["builtin_interfaces/msg/Time"], store.types["std_msgs/msg/Header"]
+    joints, image = store.types["sensor_msgs/msg/JointState"], store.types["sensor_msgs/msg/CompressedImage"]
+    pixels, none = np.arange(1_000_000, dtype=np.uint8), np.array([])
+    with Writer(path, version=9, storage_plugin=StoragePlugin[storage]) as bag:
+        arm = bag.add_connection("/joint_states", joints.__msgtype__, typestore=store)
+        camera = bag.add_connection("/camera", image.__msgtype__, typestore=store)
+        for k in range(2000):
+            at = header(stamp(k // 100, k % 100 * 10_000_000), "base")
+            state = joints(at, ["shoulder"], np.array([np.sin(0.01 * k)]), none, none)
+            bag.write(arm, 10_000_000 * k, store.serialize_cdr(state, joints.__msgtype__))
+            if k % 100 == 0:
+                data = store.serialize_cdr(image(at, "jpeg", pixels), image.__msgtype__)
+                bag.write(camera, 10_000_000 * k, data)
+
+
+@pytest.mark.parametrize("storage", ["MCAP", "SQLITE3"])
+def test_pictures_in_a_bag_are_neither_fields_nor_kept(storage, tmp_path):
+    """Each byte of a picture was a field, so that a proposal for a bag of 1 GB did not end."""
+    import tracemalloc
+
+    from flexarm.importing.bag import Bag
+    from flexarm.importing.map_file import Dialect
+    from flexarm.importing.source import Request
+
+    bag_with_camera(tmp_path / "run", storage)
+    tracemalloc.start()
+    try:
+        source = Bag(tmp_path / "run", Dialect(), [])
+        fields = {group.topic: group.names for group in source.groups()}
+        read = source.read(Request("/joint_states", ("position[shoulder]",), "header.stamp"))
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert fields == {"/joint_states": ("position[shoulder]",)}
+    assert len(read.values) == 2000
+    assert most < 14e6  # of 20 MB; definitions of messages take 8 MB

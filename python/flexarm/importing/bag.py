@@ -24,6 +24,8 @@ from flexarm.importing.source import LOG, Array, Group, Request, Samples, Source
 
 NAME_LISTS = ("name", "names", "joint_names")
 NAMED_BY = ("child_frame_id", "name", "id")
+MOST_ENTRIES = 200
+"""Entries of a list that are fields, named or numbered; images, scans and clouds have more."""
 _STEP = re.compile(r"([^.\[\]]+)|\[([^\]]+)\]")
 
 Steps = tuple[tuple[str, bool], ...]
@@ -259,12 +261,12 @@ def _is_texts(message: Any, label: str) -> bool:
 
 
 def _entries(values: Any, path: str, names: Sequence[str]) -> Iterator[str]:
-    """Yield the paths of the entries of a list; of one as long as its names by name."""
+    """Yield the paths of the entries of a list that is not too long; of one as long as its names by name."""
     if len(values) and hasattr(values[0], "__dataclass_fields__"):
         for number, entry in enumerate(values, 1):
             key = next((k for label in NAMED_BY if isinstance(k := getattr(entry, label, None), str)), number)
             yield from fields_of(entry, f"{path}[{key}].")
-    elif not len(values) or isinstance(values[0], str):
+    elif not 0 < len(values) <= MOST_ENTRIES or isinstance(values[0], str):
         return
     elif len(values) == len(names):
         yield from (f"{path}[{name}]" for name in names)
