@@ -6,7 +6,16 @@ r"""Cross-sections of beams.
 
 .. math:: \text{rectangle}: A = w h, \; I_y = w h^3/12, \; I_z = h w^3/12                             (2)
 
-with width w along the local y and height h along the local z. I_y resists bending in the x-z plane.
+with width w along the local y and height h along the local z. I_y resists bending in the x-z plane. A hollow
+one loses the inner rectangle. With a wall t, whose middle is b = w - t wide and a = h - t high, Bredt's
+formula gives its torsion constant, and the energy of the shear flow S(s) V/I its shear area along z,
+
+.. math:: J = 2 t a^2 b^2/(a + b), \qquad
+    A_z = I^2 \Big/ \oint S^2/t \, ds, \quad I = t a^3/6 + t a^2 b/2                                 (3)
+
+.. math:: \oint S^2/t \, ds = t a^2 b^3/24 + 2 t (d^2 a - d a^3/12 + a^5/320), \quad d = a b/4 + a^2/8  (4)
+
+Source: thin walls, as in [Cowper1966], at a Poisson ratio of 0.
 """
 
 from __future__ import annotations
@@ -17,6 +26,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexarm.tables import Inconsistent, Number, Table, Vector2, value_in
+
+_THINNEST = 1e-6
+"""Wall over the width of a hollow section: a thinner one is lost in the rounding of (1)."""
 
 
 class Round(Table):
@@ -45,7 +57,6 @@ class Tube(Table):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        thinnest = 1e-6  # wall over outer diameter of a tube: a thinner one is lost in the rounding of (1)
         if self.thickness >= self.outer_diameter / 2:
             raise Inconsistent(
                 (
@@ -54,11 +65,11 @@ class Tube(Table):
                     f'got {self.thickness:g} m; a solid bar is shape = "round"',
                 )
             )
-        if self.thickness < thinnest * self.outer_diameter:
+        if self.thickness < _THINNEST * self.outer_diameter:
             raise Inconsistent(
                 (
                     ("thickness",),
-                    f"must be at least {thinnest:g} of the outer diameter of {self.outer_diameter:g} m, "
+                    f"must be at least {_THINNEST:g} of the outer diameter of {self.outer_diameter:g} m, "
                     f"got {self.thickness:g} m",
                 )
             )
@@ -77,21 +88,56 @@ class Tube(Table):
 
 
 class Rectangle(Table):
-    """A solid rectangle: width along local y, height along local z."""
+    """A rectangle, width along local y, height along local z: solid, or hollow with a wall."""
 
     shape: Literal["rectangle"] = "rectangle"
     width: Number = value_in("m", "width along local y", gt=0)
     height: Number = value_in("m", "height along local z", gt=0)
+    thickness: Number | None = value_in("m", "wall of a hollow one", None, gt=0)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        thinner = min(self.width, self.height)
+        if self.thickness is not None and not _THINNEST * thinner <= self.thickness < thinner / 2:
+            what = (
+                f"must be less than half of {thinner:g} m, and at least {_THINNEST:g} of it, got "
+                f"{self.thickness:g} m; leave it out for a solid bar"
+            )
+            raise Inconsistent((("thickness",), what))
+        return self
+
+    @property
+    def _inner(self) -> tuple[float, float]:
+        """Width and height of the hole [m]."""
+        wall = self.thickness
+        return (0.0, 0.0) if wall is None else (self.width - 2 * wall, self.height - 2 * wall)
 
     @property
     def area(self) -> float:
         """Area [m2], eq. (2)."""
-        return self.width * self.height
+        w, h = self._inner
+        return self.width * self.height - w * h
 
     @property
     def second_moments(self) -> tuple[float, float]:
         """(Iy, Iz) [m4], eq. (2)."""
-        return self.width * self.height**3 / 12, self.height * self.width**3 / 12
+        w, h = self._inner
+        return (
+            (self.width * self.height**3 - w * h**3) / 12,
+            (self.height * self.width**3 - h * w**3) / 12,
+        )
+
+    def hollow(self, wall: float) -> tuple[float, tuple[float, float]]:
+        """Return torsion constant [m4] and shear areas along y and z [m2] of one with a wall, eq. (3)."""
+        b, a = self.width - wall, self.height - wall
+        return 2 * wall * a**2 * b**2 / (a + b), (_shear_area(b, a, wall), _shear_area(a, b, wall))
+
+
+def _shear_area(a: float, b: float, t: float) -> float:
+    """Return the shear area along the side a of a hollow rectangle [m2], eqs. (3) and (4)."""
+    d = a * b / 4 + a**2 / 8
+    flow = t * a**2 * b**3 / 24 + 2 * t * (d**2 * a - d * a**3 / 12 + a**5 / 320)
+    return (t * a**3 / 6 + t * a**2 * b / 2) ** 2 / flow
 
 
 def _pair(value: Any) -> Any:
@@ -144,13 +190,13 @@ def contradiction(section: General) -> str | None:
 
     Wall t and second moment I of a round tube give its mean diameter m and so its area:
 
-    .. math:: I = \pi t m (m^2 + t^2)/8, \qquad A = \pi t m                                        (3)
+    .. math:: I = \pi t m (m^2 + t^2)/8, \qquad A = \pi t m                                        (5)
     """
     if section.thickness is None:
         return None
     t, inertia = section.thickness, section.second_moment[0]
     mean = _mean_diameter(t, inertia)
-    area = pi * t * mean  # eq. (3)
+    area = pi * t * mean  # eq. (5)
     if abs(area - section.area) <= 0.01 * area:  # tables print areas to two or three digits
         return None
     solid = min(sqrt(section.area / pi), (4 * inertia / pi) ** 0.25)
@@ -160,7 +206,7 @@ def contradiction(section: General) -> str | None:
             f"solid round bar its radius is {solid:.3g} m, and a wall must be less than that"
         )
     from_area = section.area / (pi * t)
-    agree = pi * t * from_area * (from_area**2 + t**2) / 8  # eq. (3)
+    agree = pi * t * from_area * (from_area**2 + t**2) / 8  # eq. (5)
     return (
         f"wall {t:g} m, area {section.area:g} m2 and second moment {inertia:g} m4 contradict one another: "
         f"wall and second moment belong to a tube of outer diameter {1e3 * (mean + t):.2f} mm and area "
@@ -170,7 +216,7 @@ def contradiction(section: General) -> str | None:
 
 
 def _mean_diameter(t: float, inertia: float) -> float:
-    """Root m of (3) by Newton's method from above, where the cubic is convex."""
+    """Root m of (5) by Newton's method from above, where the cubic is convex."""
     c = 8 * inertia / (pi * t)
     m: float = c ** (1 / 3)
     for _ in range(60):

@@ -236,15 +236,18 @@ def _section(section: Tube | Round | Rectangle | General) -> _core.Section:
         return _core.tube_section(section.outer_diameter, section.thickness)
     if isinstance(section, Round):
         return _core.round_section(section.diameter)
-    if isinstance(section, Rectangle):
+    if isinstance(section, General):
+        torsion, (shear_y, shear_z) = section.torsion_constant, section.shear_area or (np.inf, np.inf)
+    elif section.thickness is None:
         return _core.rectangle_section(section.width, section.height)
+    else:
+        torsion, (shear_y, shear_z) = section.hollow(section.thickness)
     i_y, i_z = section.second_moments
-    shear_y, shear_z = section.shear_area or (np.inf, np.inf)
     return _core.Section(
         area=section.area,
         second_moment_y=i_y,
         second_moment_z=i_z,
-        torsion_constant=section.torsion_constant,
+        torsion_constant=torsion,
         shear_area_y=shear_y,
         shear_area_z=shear_z,
     )
