@@ -9,7 +9,7 @@ from log_files import single_mcap
 from scipy.spatial.transform import Rotation
 
 import flexarm
-from flexarm import Arm
+from flexarm import Arm, InvalidFile
 from flexarm.arm.kinematics import link_pose
 from flexarm.cli.run import run
 from flexarm.importing.guess.logged import _unit_by_size
@@ -350,6 +350,29 @@ def test_whole_numbers_of_an_encoder_are_counts_and_hide_no_tracker(logs):
     assert (signals["lift"]["unit"], signals["lift"]["before_gear"]) == ({"counts_per_turn": 8192}, True)
     assert signals["tip"]["columns"] == [2, 3, 4]
     assert "'enc' in the name; whole numbers" in text
+
+
+def test_counts_of_all_joints_are_found_beside_a_tracker_without_names(logs):
+    """No joint's unit was known, so that no columns could be told by how they move."""
+    t = np.arange(0, 8, 0.004)
+    counts = {f"{k} [Ink]": np.round(q * RATIO[k] / (2 * np.pi) * 65536) for k, q in angles(t).items()}
+    write_robot(logs, counts, t)
+    bare_tracker(logs, [0, 1, 2])
+    data, text = guessed(logs, "robot.csv", "bare.txt")
+    signals = {each["name"]: each for each in data["signals"]}
+    assert data["drive"] == ["pan", "lift"]
+    assert [signals[k]["unit"] for k in RATIO] == [{"counts_per_turn": 65536}] * 2
+    assert "# the only ones without names that move" in text
+
+
+def test_a_map_all_of_whose_signals_wait_says_for_what(logs):
+    t = np.arange(0, 8, 0.004)
+    write_robot(logs, {f"{k} [counts]": np.round(1e5 * q) for k, q in angles(t).items()}, t)
+    _, text = guessed(logs, "robot.csv")
+    assert "# unknown: drive; the angles below are commented out: say what they lack" in text
+    assert '# drive = ["pan", "lift"]' in text
+    with pytest.raises(InvalidFile, match="at least one signal that is not commented out"):
+        flexarm.import_record(logs / "map.toml")
 
 
 def test_counts_without_a_measured_point_are_left_open(logs):

@@ -253,7 +253,7 @@ class MapTable(RunTable):
     def _check(self) -> Self:
         found = [*references(self), *responses(self), *self._stamp_problems()]
         if not self.signals:
-            found = [(("signals",), "is missing; a map needs at least one signal")]
+            found = [(("signals",), "is missing; a map needs at least one signal that is not commented out")]
         if found:
             raise Inconsistent(*found)
         return self

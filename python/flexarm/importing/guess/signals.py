@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from flexarm.arm import Arm
 from flexarm.importing.guess.logged import Logged
 from flexarm.importing.guess.motion import Track, agreement, rigid_track
@@ -91,12 +93,15 @@ def unnamed_points(columns: Sequence[Logged], proposals: Sequence[Proposal], arm
     """Return points among columns without names: three in a row that move as one of the model's does.
 
     Speeds (1) of `motion` correlate whatever the unit of angles is, as long as they are small or the joint is
-    the only one; the joints' columns are taken as radians of the output where nothing is known yet.
+    the only one; the joints' columns are taken as radians of the output where nothing is known yet. Beside
+    counts alone, the only three columns that move are the model's only point.
     """
     joints = {p.place[1]: p.raw(arm) for p in drives_of(proposals) if not p.counts}
     bare = [column for column in columns if isinstance(column.column, int) and not column.meaning.quantity]
     found: list[Proposal] = []
     taken = {p.place for p in proposals if p.quantity == "position" and not p.out}
+    if not joints:
+        return _only_point(bare, [point.name for point in arm.points if ("point", point.name) not in taken])
     for kind in dict.fromkeys(column.kind for column in bare if joints):
         here = [column for column in bare if column.kind == kind]
         best: tuple[float, str, list[Logged]] = (0.0, "", [])
@@ -116,6 +121,18 @@ def unnamed_points(columns: Sequence[Logged], proposals: Sequence[Proposal], arm
         proposal.unknown["columns"] = "whether they are x, y, z in this order"
         found.append(proposal)
     return found
+
+
+def _only_point(bare: Sequence[Logged], points: Sequence[str]) -> list[Proposal]:
+    """Return the only three columns without names that move as the only point; else nothing."""
+    moving = [c for c in bare if not (c.rests or np.all(np.diff(c.values) == 1))]  # nor do they number rows
+    if len(points) != 1 or len(moving) != 3 or len({column.kind for column in moving}) != 1:
+        return []
+    proposal = Proposal(moving, "position", ("point", points[0]))
+    proposal.why["columns"] = "the only ones without names that move"
+    proposal.why["point"] = "the model's only point that no other column is"
+    proposal.unknown["columns"] = "whether they are x, y, z in this order"
+    return [proposal]
 
 
 def _is_message(column: Logged) -> bool:

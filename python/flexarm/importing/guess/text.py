@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from flexarm.importing.guess.proposal import Proposal
 
 
+DRIVING = ("joint_angle", "joint_command")
+"""Quantities that can drive a model."""
+
+
 def map_text(
     model: str,
     drives: Sequence[Proposal],
@@ -31,6 +35,11 @@ def map_text(
     ]
     if drives:
         lines.append(f"drive = {_value([p.name for p in drives])}  # angles or commands of the joints")
+    elif waiting := [p.name for p in proposals if p.out and p.quantity in DRIVING]:
+        lines.append(
+            "# unknown: drive; the angles below are commented out: say what they lack, and uncomment them"
+        )
+        lines.append(f"# drive = {_value(waiting)}")
     else:
         lines.append("# unknown: drive; no column is the angle or command of a joint")
     files = list(dict.fromkeys(p.first.file for p in [*drives, *proposals] if not p.out))
