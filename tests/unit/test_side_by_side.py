@@ -41,11 +41,17 @@ def mast(rng: np.random.Generator, *effects: dict[str, Any], **joint: Any) -> fl
     )
 
 
-def assert_same(run: flexarm.Simulation, alone: flexarm.Simulation, more: float = 1.0) -> None:
-    """Assert that runs differ by rounding; laws that are not smooth make `more` of it."""
+def assert_same(
+    run: flexarm.Simulation, alone: flexarm.Simulation, more: float = 1.0, driven: bool = True
+) -> None:
+    """Assert that runs differ by rounding; laws that are not smooth make `more` of it.
+
+    Motors have the same angles to the last bit if all of them are `driven`.
+    """
     # Rates take up a rounding of positions over a step, torques times stiffness.
     bounds = {"position": 1e-12, "joint_angle": 1e-12, "drive_angle": 0.0, "drive_rate": 0.0}
     bounds |= {"velocity": 1e-11, "joint_rate": 1e-11, "joint_torque": 1e-9, "motor_torque": 1e-9}
+    bounds |= {} if driven else {"drive_angle": 1e-12, "drive_rate": 1e-11}
     for name, bound in bounds.items():
         found, wanted = getattr(run, name), getattr(alone, name)
         assert np.abs(found - wanted).max() <= more * bound * np.abs(wanted).max(), name
@@ -216,6 +222,63 @@ def test_laws_that_are_not_linear_go_with_inner_joints() -> None:
     for arm, run in zip(arms, side_by_side([(arm, REACHES) for arm in arms]), strict=True):
         assert run is not None
         assert_same(run, flexarm.simulate(arm, REACHES), 1e3)
+
+
+def rippled(at: str, rng: np.random.Generator) -> dict[str, Any]:
+    return {"name": "transmission_error", "at": at, "amplitude": rng.uniform(0, 2e-3), "multiple": 3.0}
+
+
+def tilting(at: str, rng: np.random.Generator) -> dict[str, Any]:
+    stiffness = [rng.uniform(1e5, 3e5), rng.uniform(1e5, 3e5)]
+    return {"name": "joint_tilt_compliance", "at": at, "stiffness": stiffness, "damping": 100.0}
+
+
+def on_a_soft_base(at: str, rng: np.random.Generator) -> dict[str, Any]:
+    return {"name": "base_compliance", "at": at, "stiffness": rng.uniform(1e5, 3e5), "damping": 200.0}
+
+
+@pytest.mark.parametrize("consistent", [True, False])
+@pytest.mark.parametrize(
+    ("effect", "make", "drive"),
+    [
+        (partial(rippled, "hinge"), mast, DRIVE),
+        (partial(rippled, "elbow"), robot, REACHES),
+        (partial(tilting, "shoulder"), robot, REACHES),
+        (partial(tilting, "hinge"), robot, REACHES),
+        (partial(on_a_soft_base, "base"), robot, REACHES),
+    ],
+)
+def test_gears_and_bearings_that_give_are_followed(
+    effect: Callable[..., dict[str, Any]],
+    make: Callable[..., flexarm.Arm],
+    drive: flexarm.Drive,
+    consistent: bool,
+) -> None:
+    arms = [make(rng, effect(rng)) for rng in map(np.random.default_rng, range(9))]
+    runs = side_by_side([(arm, drive) for arm in arms], consistent_forces=consistent)
+    for arm, run in zip(arms, runs, strict=True):
+        assert run is not None
+        assert_same(run, flexarm.simulate(arm, drive, consistent_forces=consistent), 1e2)
+    [single] = side_by_side([(arms[8], drive)], consistent_forces=consistent)
+    assert single is not None
+    assert runs[8] is not None
+    assert np.array_equal(runs[8].position, single.position)
+    assert np.array_equal(runs[8].joint_torque, single.joint_torque)
+
+
+def coupled(rng: np.random.Generator, ratio: float) -> flexarm.Arm:
+    """Return an arm whose elbow a gear turns along with the hinge."""
+    data = elbowed(rng).to_dict()
+    return flexarm.Arm.from_dict(
+        data | {"gears": [{"name": "belt", "input": "hinge", "output": "elbow", "ratio": ratio}]}
+    )
+
+
+def test_gears_between_joints_are_followed() -> None:
+    arms = [coupled(rng, rng.uniform(-3, -2)) for rng in map(np.random.default_rng, range(3))]
+    for arm, run in zip(arms, side_by_side([(arm, DRIVE) for arm in arms]), strict=True):
+        assert run is not None
+        assert_same(run, flexarm.simulate(arm, DRIVE), 1e2, driven=False)
 
 
 def test_a_run_does_not_depend_on_its_company_by_one_bit() -> None:

@@ -1,5 +1,6 @@
 #include "flexarm/lanes/arm_numbers.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include "flexarm/solvers/kept_factor.hpp"
@@ -28,16 +29,19 @@ int count(const auto& things) { return static_cast<int>(things.size()); }
 bool has_three_numbers(const assembly::PlacedLaw& law) { return law.of < 0 && joints::is_linear(law.law); }
 
 template <int D>
-bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads) {
-  const bool others = !arm.gears().empty() || !arm.closures().empty() || !arm.superelements().empty() ||
-                      !loads.points.empty() || arm.pedestal().node >= 0;
+bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent) {
+  const bool others = !arm.closures().empty() || !arm.superelements().empty() || !loads.points.empty();
   if (others) return false;
-  for (const auto& beam : arm.beams()) {
-    if (beam.grows()) return false;
-  }
+  const auto grows = [](const auto& beam) { return beam.grows(); };
+  const auto winds = [](const auto& gear) { return !gear.transmission.windup.empty(); };
+  const auto is_ball = [](const auto& joint) { return joint.type() == joints::JointType::spherical; };
+  if (std::ranges::any_of(arm.beams(), grows) || std::ranges::any_of(arm.gears(), winds) ||
+      std::ranges::any_of(arm.constraints(), is_ball))
+    return false;
   const solvers::WeldsIn<D> welds(arm, true);
-  const solvers::TangentChangesIn<D> turns(arm, welds, false);
-  return turns.follows_constraints() && welds.n_unknowns() <= solvers::KeptFactor::largest_inverse;
+  if (welds.n_unknowns() > solvers::KeptFactor::largest_inverse) return false;
+  return !consistent ||
+         solvers::TangentChangesIn<D>(arm, welds, false, arm.constraints().size()).follows_constraints();
 }
 
 template <int D>
@@ -57,6 +61,8 @@ bool same_structure(const SystemIn<D>& one, const SystemIn<D>& other) {
                  return a.type() == b.type() && a.node_a() == b.node_a() && a.node_b() == b.node_b() &&
                         a.coordinate() == b.coordinate();
                }) &&
+         alike(one.gears(), other.gears(),
+               [](const auto& a, const auto& b) { return a.input == b.input && a.output == b.output; }) &&
          alike(one.laws(), other.laws(),
                [](const auto& a, const auto& b) {
                  return a.plus == b.plus && a.minus == b.minus &&
@@ -116,6 +122,7 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
     joints_.push_back({joint.node_a(), joint.node_b(), joint.coordinate(), row, folded});
     row += joint.rows();
   }
+  for (const auto& gear : arm.gears()) gears_.push_back({gear.input, gear.output, row++, false});
   for (const auto& law : arm.laws()) laws_.push_back({law.plus, law.minus, has_three_numbers(law)});
   carriers_ = welds.carriers();
   for (const auto& follower : welds.followers()) followers_.push_back({follower.node, follower.carrier});
@@ -135,6 +142,7 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
            .n_beams = count(arm.beams()),
            .n_bodies = count(body_nodes_),
            .n_joints = count(joints_),
+           .n_gears = count(gears_),
            .n_laws = count(laws_),
            .n_carriers = count(carriers_),
            .n_followers = count(followers_),
@@ -142,6 +150,7 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
            .body_nodes = body_nodes_.data(),
            .carriers = carriers_.data(),
            .joints = joints_.data(),
+           .gears = gears_.data(),
            .laws = laws_.data(),
            .followers = followers_.data(),
            .beams = room(beams_, (2 * n + 1 + 4 * n * n) * count(arm.beams())),
@@ -149,6 +158,7 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
            .weights = room(weights_, (1 + D) * arm.n_nodes()),
            .gravity = room(gravity_, D),
            .joint_numbers = room(joint_numbers_, (3 * frame_rows<D> + n + 2 * n * n) * count(joints_)),
+           .gear_numbers = room(gear_numbers_, 4 * count(gears_)),
            .law_numbers = room(law_numbers_, 3 * count(laws_)),
            .scalar_inertia = room(scalar_inertia_, arm.n_scalars()),
            .follower_frames = room(follower_frames_, 2 * frame_rows<D> * count(followers_)),
@@ -197,6 +207,14 @@ void ArmNumbersIn<D>::fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& l
     row = joint_numbers_.put(row, lane, at.twist);
     row = joint_numbers_.put(row, lane, at.Ad_a);
     row = joint_numbers_.put(row, lane, at.Ad_b);
+  }
+  for (std::size_t k = 0; k < gears_.size(); ++k) {
+    const joints::Transmission& teeth = arm.gears()[k].transmission;
+    gears_[k].waves = gears_[k].waves || teeth.amplitude != 0;
+    row = 4 * static_cast<int>(k);
+    for (const double number : {1 / teeth.scale, teeth.amplitude, teeth.multiple, teeth.phase}) {
+      gear_numbers_(row++, lane) = number;
+    }
   }
   row = 0;
   for (const auto& law : arm.laws()) {
@@ -309,8 +327,8 @@ void ArmNumbersIn<D>::set_consistent(int lane, const MatrixXd& change, const Cha
   consistent_turns_.set(lane, changes, W);
 }
 
-template bool suits<2>(const SystemIn<2>&, const LoadsIn<2>&);
-template bool suits<3>(const SystemIn<3>&, const LoadsIn<3>&);
+template bool suits<2>(const SystemIn<2>&, const LoadsIn<2>&, bool);
+template bool suits<3>(const SystemIn<3>&, const LoadsIn<3>&, bool);
 template bool same_structure<2>(const SystemIn<2>&, const SystemIn<2>&);
 template bool same_structure<3>(const SystemIn<3>&, const SystemIn<3>&);
 template class ArmNumbersIn<2>;

@@ -26,12 +26,12 @@ const Eigen::SparseMatrix<double>& masses_and_constraints(const assembly::System
 }  // namespace
 
 template <int D>
-ConsistentForcesIn<D>::ConsistentForcesIn(const assembly::SystemIn<D>& system)
+ConsistentForcesIn<D>::ConsistentForcesIn(const assembly::SystemIn<D>& system, std::size_t most_joints)
     : system_(system),
       scale_(solvers::constraint_scale(system)),
       matrix_(system),
       none_(system, false),
-      changes_(system, none_, false),
+      changes_(system, none_, false, most_joints),
       c_(system.n_constraints()),
       change_(VectorXd::Zero(system.n_unknowns())),
       r_(system.n_velocities()),

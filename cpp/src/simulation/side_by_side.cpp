@@ -46,13 +46,27 @@ bool records_what_lanes_have(const TransientOptions& options) {
   return !options.record_rotations && !options.record_energies && !options.record_forces;
 }
 
-/// Locked joints stay where they are: only then do drives mean the same.
+bool shake_alike(const assembly::PedestalCoordinates& one, const assembly::PedestalCoordinates& other) {
+  const auto &a = one.shaking, &b = other.shaking;
+  if (a.amplitude == 0 && b.amplitude == 0) return true;
+  return a.amplitude == b.amplitude && a.frequency == b.frequency && a.phase == b.phase &&
+         one.cosines == other.cosines;
+}
+
+/// Locked joints stay where they are, drives of links go backwards through transmissions, and pedestals are
+/// shaken: only if these are alike, drives mean the same.
 template <int D>
-bool same_start(const Placed<D>& one, const Placed<D>& other) {
+bool same_drives(const Placed<D>& one, const Placed<D>& other) {
+  if (!shake_alike(one.system->pedestal(), other.system->pedestal())) return false;
   for (std::size_t j = 0; j < one.system->joints().size(); ++j) {
     const int phi = one.system->joints()[j].phi;
-    if (phi < 0 || one.system->drives()[j] != assembly::DriveKind::locked) continue;
-    if (one.state.s[phi] != other.state.s[phi]) return false;
+    if (phi < 0) continue;
+    const assembly::DriveKind kind = one.system->drives()[j];
+    if (kind == assembly::DriveKind::locked && one.state.s[phi] != other.state.s[phi]) return false;
+    if (kind != assembly::DriveKind::link_angle) continue;
+    const auto *teeth = one.system->transmission(static_cast<int>(j)),
+               *others = other.system->transmission(static_cast<int>(j));
+    if (teeth != nullptr && others != nullptr && !(*teeth == *others)) return false;
   }
   return true;
 }
@@ -64,7 +78,7 @@ void make_consistent(const Placed<D>& arm, int lane, lanes::StepperIn<D>& steppe
   const assembly::SystemIn<D>& system = *arm.system;
   const Eigen::Index m = system.n_constraints(), n_free = system.n_free(), first = system.scalar_offset();
   const Eigen::Index n_changed = n_free - first + m;
-  ConsistentForcesIn<D> forces(system);
+  ConsistentForcesIn<D> forces(system, system.constraints().size());
   const auto& changes = forces.changes();
   MatrixXd change(n_changed + changes.W().cols(), m);
   for (Eigen::Index k = 0; k < m; ++k) {
@@ -238,9 +252,9 @@ class Group {
 template <int D>
 void sort_in(Placed<D> arm, const TransientOptions& options, std::vector<std::vector<Placed<D>>>& groups) {
   arm.state.t = arm.state.start = options.start;
-  if (!lanes::suits(*arm.system, arm.loads)) return;
+  if (!lanes::suits(*arm.system, arm.loads, options.has_consistent_forces())) return;
   const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& others) {
-    return lanes::same_structure(*others.front().system, *arm.system) && same_start(others.front(), arm);
+    return lanes::same_structure(*others.front().system, *arm.system) && same_drives(others.front(), arm);
   });
   if (group == groups.end()) {
     groups.emplace_back().push_back(std::move(arm));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ranges>
 #include <type_traits>
 #include <variant>
 
@@ -33,9 +34,15 @@ Eigen::Matrix<double, 6, 4> across_axis(const Twist<3>& motion) {
 }  // namespace
 
 template <int D>
-TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds, bool laws)
-    : system_(system), follows_constraints_(system.gears().empty() && system.closures().empty()) {
-  find_turning_joints(welds);
+TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds, bool laws,
+                                      std::size_t most_joints)
+    : system_(system), follows_constraints_(system.closures().empty()) {
+  const auto changes = [&](const joints::GearConstraint& gear) {
+    const bool ideal = gear.transmission.amplitude == 0 && gear.transmission.windup.empty();
+    return system.is_free(gear.input) && !ideal;
+  };
+  if (std::ranges::any_of(system.gears(), changes)) follows_constraints_ = false;
+  find_turning_joints(welds, most_joints);
   if (laws) find_laws(welds);
   const auto n_laws = static_cast<Eigen::Index>(laws_.size());
   const Eigen::Index columns = 2 * across * static_cast<Eigen::Index>(joints_.size()) + n_laws;
@@ -49,7 +56,7 @@ TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const
 }
 
 template <int D>
-void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds) {
+void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds, std::size_t most) {
   int row = system_.n_free();
   for (std::size_t k = 0; k < system_.constraints().size(); ++k) {
     const auto& joint = system_.constraints()[k];
@@ -69,7 +76,7 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds) {
     const Across on_parent = adjoint<D>(to_parent).transpose() * P;
     joints_.push_back({static_cast<int>(k), welds.row(first_row), parent.row, P, on_parent});
   }
-  if (joints_.size() <= most_turning_joints) return;
+  if (joints_.size() <= most) return;
   // A hinge of a mount turns by what its spring gives way: the kept factor serves it as it is.
   std::erase_if(joints_, [&](const TurningJoint& joint) {
     const int hinge = system_.constraints()[joint.constraint].coordinate();
@@ -79,7 +86,7 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds) {
               std::holds_alternative<joints::RadialClearance>(law.law));
     });
   });
-  if (joints_.size() > most_turning_joints) joints_.clear();
+  if (joints_.size() > most) joints_.clear();
   follows_constraints_ = false;
 }
 
@@ -191,25 +198,25 @@ VectorXd TangentChangesIn<D>::along(const VectorXd& x) const {
 template <int D>
 template <int joints>
 void TangentChangesIn<D>::prepare_for() {
-  constexpr int n_j = 2 * across * joints;
-  const Eigen::Index n_l = G_l_.rows();
+  constexpr int N = columns_of<joints>;
+  const Eigen::Index n_l = G_l_.rows(), n_j = N >= 0 ? N : LU_.rows();
   G_l_ = G_.bottomRightCorner(n_l, n_l);
-  if constexpr (joints > 0) {
-    Eigen::Map<ByRows<n_j>> A(LU_.data());
-    for (int k = 0; k < joints; ++k) {
+  if constexpr (joints != 0) {
+    Eigen::Map<ByRows<N>> A(LU_.data(), n_j, n_j);
+    for (int k = 0; 2 * across * k < n_j; ++k) {
       const int on_node = 2 * across * k, on_row = on_node + across;
       const Turned<D> E = C_.template block<across, across>(on_row, on_node);
       const auto G_node = G_.template middleRows<across>(on_node),
                  G_row = G_.template middleRows<across>(on_row);
-      A.template middleRows<across>(on_node) = E.transpose().lazyProduct(G_row.template leftCols<n_j>());
-      A.template middleRows<across>(on_row) = E.lazyProduct(G_node.template leftCols<n_j>());
+      A.template middleRows<across>(on_node) = E.transpose().lazyProduct(G_row.template leftCols<N>(n_j));
+      A.template middleRows<across>(on_row) = E.lazyProduct(G_node.template leftCols<N>(n_j));
       C_G_.template middleRows<across>(on_node) = E.transpose().lazyProduct(G_row.rightCols(n_l));
       C_G_.template middleRows<across>(on_row) = E.lazyProduct(G_node.rightCols(n_l));
     }
     A.diagonal().array() += 1;
     factor_in_place(A, pivots_);
     substitute(A, pivots_, C_G_);
-    G_l_ -= G_.template block<Eigen::Dynamic, n_j>(n_j, 0, n_l, n_j).lazyProduct(C_G_);  // eq. (6)
+    G_l_ -= G_.template block<Eigen::Dynamic, N>(n_j, 0, n_l, n_j).lazyProduct(C_G_);  // eq. (6)
   }
 }
 
@@ -217,10 +224,11 @@ void TangentChangesIn<D>::prepare_for() {
 template <int D>
 template <int joints>
 void TangentChangesIn<D>::find_joint_forces(const VectorXd& x) {
-  constexpr int n_j = 2 * across * joints;
-  if constexpr (joints > 0) {
-    Eigen::Matrix<double, n_j, 1> C_x;
-    for (int k = 0; k < joints; ++k) {
+  constexpr int N = columns_of<joints>;
+  if constexpr (joints != 0) {
+    const Eigen::Index n_j = N >= 0 ? N : LU_.rows();
+    Eigen::Matrix<double, N, 1> C_x(n_j);
+    for (int k = 0; 2 * across * k < n_j; ++k) {
       const TurningJoint& joint = joints_[k];
       const int on_node = 2 * across * k, on_row = on_node + across;
       const Turned<D> E = C_.template block<across, across>(on_row, on_node);
@@ -228,8 +236,8 @@ void TangentChangesIn<D>::find_joint_forces(const VectorXd& x) {
           E.transpose() * (joint.P.transpose() * x.segment<n>(joint.first_row));
       C_x.template segment<across>(on_row) = E * (joint.on_parent.transpose() * x.segment<n>(joint.node_row));
     }
-    substitute(Eigen::Map<const ByRows<n_j>>(LU_.data()), pivots_, C_x);
-    f_.template head<n_j>() = C_x;
+    substitute(Eigen::Map<const ByRows<N>>(LU_.data(), n_j, n_j), pivots_, C_x);
+    f_.template head<N>(n_j) = C_x;
   }
 }
 
@@ -251,10 +259,12 @@ typename TangentChangesIn<D>::ForNumbers TangentChangesIn<D>::for_numbers(std::s
                                                                           std::size_t laws) {
   using Self = TangentChangesIn<D>;
   static constexpr std::array prepare = {&Self::prepare_for<0>, &Self::prepare_for<1>, &Self::prepare_for<2>,
-                                         &Self::prepare_for<3>};
+                                         &Self::prepare_for<3>, &Self::prepare_for<Eigen::Dynamic>};
   static constexpr std::array of_joints = {&Self::find_joint_forces<0>, &Self::find_joint_forces<1>,
-                                           &Self::find_joint_forces<2>, &Self::find_joint_forces<3>};
-  return {prepare[joints], of_joints[joints],
+                                           &Self::find_joint_forces<2>, &Self::find_joint_forces<3>,
+                                           &Self::find_joint_forces<Eigen::Dynamic>};
+  const std::size_t known = std::min<std::size_t>(joints, most_in_steps + 1);
+  return {prepare[known], of_joints[known],
           laws == 1          ? &Self::add_law_forces<1, 1>
           : laws <= few_laws ? &Self::add_law_forces<Eigen::Dynamic, few_laws>
                              : &Self::add_law_forces<Eigen::Dynamic, Eigen::Dynamic>};

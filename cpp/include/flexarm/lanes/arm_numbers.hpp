@@ -19,8 +19,9 @@ using assembly::StateIn;
 using assembly::SystemIn;
 
 /// Whether an arm can step beside others of its structure: it has beams, rigid bodies and joints in a tree.
+/// @param consistent whether forces are to be those of simulation/consistent_forces.hpp
 template <int D>
-bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads);
+bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent);
 
 /// Whether the force of a law follows from its deflection and rate by three numbers.
 bool has_three_numbers(const assembly::PlacedLaw& law);
@@ -64,11 +65,12 @@ class ArmNumbersIn {
   std::vector<std::unique_ptr<solvers::WeldsIn<D>>> welds_;
   std::vector<int> beam_nodes_, body_nodes_, carriers_, section_nodes_;
   std::vector<JointPlace> joints_;
+  std::vector<GearPlace> gears_;
   std::vector<LawPlace> laws_;
   std::vector<FollowerPlace> followers_;
   std::vector<JointOutput> outputs_;
   std::vector<PointPlace> points_;
-  Rows beams_, bodies_, weights_, gravity_, joint_numbers_, law_numbers_, scalar_inertia_, follower_frames_,
+  Rows beams_, bodies_, weights_, gravity_, joint_numbers_, gear_numbers_, law_numbers_, scalar_inertia_, follower_frames_,
       reach_, mass_scale_, point_offsets_, sections_, consistent_;
 
   std::vector<int> unknowns_;

@@ -97,7 +97,20 @@ class KernelCode : TurnCode<D, N, Processor> {
     place(arms, motion);
   }
 
-  /// Laws, inertias and joints on the scalar coordinates.
+  /// ψ, ψ' and ψ'' of a gear, (1) of joints/transmission.hpp without windup.
+  struct Psi {
+    Real psi, first, second;
+  };
+  static Psi psi(const Arms& arms, int k, const Motion& motion) {
+    const double* own = arms.gear_numbers + 4 * N * k;
+    const Real phi = at(motion.s, arms.gears[k].input), per_scale = at(own, 0);
+    if (!arms.gears[k].waves) return {phi * per_scale, per_scale, 0.0};
+    const Real A = at(own, 1), m = at(own, 2);
+    const auto [sine, cosine] = geometry::sine_cosine(Real(m * phi + at(own, 3)));
+    return {phi * per_scale + A * sine, per_scale + m * (A * cosine), -m * m * (A * sine)};
+  }
+
+  /// Laws, inertias, joints and gears on the scalar coordinates.
   static void scalar_residual(const Arms& arms, const Motion& motion, const double* v_dot,
                               const double* multipliers, double* r) {
     const int offset = n * arms.n_nodes;
@@ -121,6 +134,12 @@ class KernelCode : TurnCode<D, N, Processor> {
       const JointPlace& place = arms.joints[k];
       if (place.coordinate < 0) continue;
       add(r, place.coordinate, -torque(arms, k, multipliers));
+    }
+    for (int k = 0; k < arms.n_gears; ++k) {
+      const auto [input, output, row, waves] = arms.gears[k];
+      const Real force = at(multipliers, row);
+      add(r, input, psi(arms, k, motion).first * force);
+      add(r, output, -force);
     }
   }
 
@@ -149,6 +168,10 @@ class KernelCode : TurnCode<D, N, Processor> {
       add_matrix(r, n * k, Twist(-weight.force(frame(motion.frames, k).R, gravity)));
     }
     for (int k = 0; k < arms.n_joints; ++k) add_joint(arms, motion, k, n_free);
+    for (int k = 0; k < arms.n_gears; ++k) {
+      const GearPlace& place = arms.gears[k];
+      put(motion.dx, n_free + place.row, psi(arms, k, motion).psi - at(motion.s, place.output));
+    }
     for (int k = 0; k < arms.n_beams; ++k) add_beam(arms, motion, k);
   }
 
@@ -290,6 +313,13 @@ class KernelCode : TurnCode<D, N, Processor> {
                  joint(arms, k).acceleration(place.node_a < 0, moves,
                                              moves ? at(motion.s, place.coordinate) : Real(0.0),
                                              rates(motion.v, place), rates(motion.v_dot, place)));
+    }
+    for (int k = 0; k < arms.n_gears; ++k) {
+      const auto [input, output, row, waves] = arms.gears[k];
+      const Psi gear = psi(arms, k, motion);
+      const Real v = at(motion.v, offset + input), turned = at(motion.v_dot, offset + input);
+      put(motion.acceleration, row,
+          gear.first * turned + gear.second * v * v - at(motion.v_dot, offset + output));
     }
     const Turns& turns = arms.consistent_turns;
     const int n_changed = arms.n_free_scalars + m;

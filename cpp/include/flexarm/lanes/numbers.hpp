@@ -18,6 +18,12 @@ struct JointPlace {
   bool folded;  ///< takes no part in steps (solvers/welds.hpp)
 };
 
+/// A gear between scalar coordinates, with its constraint's row; `waves` if some arm has a transmission error.
+struct GearPlace {
+  int input, output, row;
+  bool waves;
+};
+
 /// A law between scalar coordinates: plus less minus, or plus alone (−1). Linear laws have numbers; of others
 /// the force is given with the motion.
 struct LawPlace {
@@ -75,9 +81,10 @@ struct Turns {
 struct Arms {
   int n_nodes, n_scalars, n_free_scalars, n_constraints;
   bool damped;
-  int n_beams, n_bodies, n_joints, n_laws, n_carriers, n_followers;
+  int n_beams, n_bodies, n_joints, n_gears, n_laws, n_carriers, n_followers;
   const int *beam_nodes, *body_nodes, *carriers;
   const JointPlace* joints;
+  const GearPlace* gears;
   const LawPlace* laws;
   const FollowerPlace* followers;
   const double* beams;            ///< K (n), d₀ + b (n), η, M (4 n²) of each
@@ -85,6 +92,7 @@ struct Arms {
   const double* weights;          ///< mass, first moment (D) of each node
   const double* gravity;          ///< (D)
   const double* joint_numbers;    ///< X_b, X_a⁻¹, X_b⁻¹ (frames), ξ (n), Ad_a, Ad_b (n² each) of each
+  const double* gear_numbers;     ///< 1/scale, A, m, β of each (joints/transmission.hpp)
   const double* law_numbers;      ///< force without deflection and rate, stiffness, damping of each
   const double* scalar_inertia;   ///< of each scalar coordinate
   const double* follower_frames;  ///< X, X⁻¹ of each

@@ -48,7 +48,9 @@ constexpr double nearly_massless = 1e-12;
 template <int D>
 class ConsistentForcesIn {
  public:
-  explicit ConsistentForcesIn(const assembly::SystemIn<D>& system);
+  /// @param most_joints that are followed, solvers/tangent_changes.hpp
+  explicit ConsistentForcesIn(const assembly::SystemIn<D>& system,
+                              std::size_t most_joints = solvers::TangentChangesIn<D>::most_in_steps);
 
   /// The state with w and λ̃ of (1); `state` itself where they are v̇ and λ. The result lasts until the next
   /// call. @param loads of the step; null: r is taken as zero, as it is where every joint is followed

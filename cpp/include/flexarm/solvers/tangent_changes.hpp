@@ -51,8 +51,13 @@ namespace flexarm::solvers {
 template <int D>
 class TangentChangesIn {
  public:
+  // More turning joints than this make (1) dearer than the iterations it saves.
+  static constexpr int most_in_steps = 3;
+
   /// @param welds which unknowns S has. @param laws whether S has the laws' tangents.
-  TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds, bool laws = true);
+  /// @param most_joints up to so many turning joints are followed
+  TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds, bool laws = true,
+                   std::size_t most_joints = most_in_steps);
 
   /// Whether (1) follows every change of Φ_q.
   bool follows_constraints() const { return follows_constraints_; }
@@ -86,16 +91,12 @@ class TangentChangesIn {
   Eigen::VectorXd along(const Eigen::VectorXd& x) const;  ///< Uᵀ x
 
  private:
-  // More turning joints than this make (1) dearer than the iterations it saves.
-  static constexpr int most_turning_joints = 3;
-  static constexpr int most_in_joints = 2 * across * most_turning_joints;
-
   /// Rows of u in (4); none where a coordinate is prescribed.
   struct LawRows {
     int plus, minus;
   };
 
-  void find_turning_joints(const WeldsIn<D>& welds);
+  void find_turning_joints(const WeldsIn<D>& welds, std::size_t most);
   void find_laws(const WeldsIn<D>& welds);
   Turned<D> turned_by(const TurningJoint& joint, double theta) const;  // T
   bool turn_joints(const assembly::StateIn<D>& state);
@@ -103,13 +104,16 @@ class TangentChangesIn {
   void directions(Eigen::MatrixXd& U) const;
   double along_law(int k, const Eigen::VectorXd& x) const;
 
-  /// What depends on the turns of the joints alone, and the forces, for numbers of joints and laws.
+  /// What depends on the turns of the joints alone, and the forces, for numbers of joints and laws; the former
+  /// is Eigen::Dynamic for more than most_in_steps.
   struct ForNumbers {
     void (TangentChangesIn::*prepare)();
     void (TangentChangesIn::*find_joint_forces)(const Eigen::VectorXd&);
     void (TangentChangesIn::*add_law_forces)(const Eigen::VectorXd&);
   };
   static ForNumbers for_numbers(std::size_t joints, std::size_t laws);
+  template <int joints>
+  static constexpr int columns_of = joints < 0 ? Eigen::Dynamic : 2 * across * joints;
   template <int joints>
   void prepare_for();
   template <int joints>
@@ -129,7 +133,7 @@ class TangentChangesIn {
   bool follows_constraints_;
   bool turned_ = false;             // whether C is not zero
   Eigen::MatrixXd LU_, C_G_, G_l_;  // of I + C G_JJ, by rows; (I + C G_JJ)⁻¹ C G_JL; Ĝ
-  Pivots<most_in_joints> pivots_;
+  Pivots<Eigen::Dynamic> pivots_;
   PackedMatrix packed_W_;
   Eigen::VectorXd f_, Wy_;
 };
