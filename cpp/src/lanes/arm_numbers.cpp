@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "flexarm/solvers/kept_factor.hpp"
 #include "flexarm/solvers/step_matrix.hpp"
@@ -85,6 +86,9 @@ ArmNumbersIn<D>::ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms,
     const int row = welds_.front()->row(k);
     if (row >= 0) unknowns_[static_cast<std::size_t>(row)] = k;
   }
+  std::vector<int> as_they_are(unknowns_.size());
+  std::iota(as_they_are.begin(), as_they_are.end(), 0);
+  set_order(std::move(as_they_are));
   for (int lane = 0; lane < lanes; ++lane) {
     const std::size_t which = lane < count(arms) ? static_cast<std::size_t>(lane) : 0;
     fill(lane, *arms[which], loads[which]);
@@ -255,11 +259,19 @@ void ArmNumbersIn<D>::fill_sections(int lane, const SystemIn<D>& arm) {
   }
 }
 
+/// The unknowns of the rows of inverses.
+template <int D>
+void ArmNumbersIn<D>::set_order(std::vector<int> order) {
+  cut_order_ = std::move(order);
+  order_.clear();
+  for (const int k : cut_order_) order_.push_back(unknowns_[static_cast<std::size_t>(k)]);
+  arms_.order = order_.data();
+}
+
 /// Room for inverses that are cut like this one.
 template <int D>
 void ArmNumbersIn<D>::cut(const solvers::DissectedInverse& inverse) {
-  cut_order_ = inverse.order();
-  for (const int k : cut_order_) order_.push_back(unknowns_[static_cast<std::size_t>(k)]);
+  set_order(inverse.order());
   for (const auto& part : inverse.parts()) boundaries_.push_back(part.boundary);
   int inner = 0;
   for (std::size_t p = 0; p < boundaries_.size(); ++p) {
@@ -274,7 +286,6 @@ void ArmNumbersIn<D>::cut(const solvers::DissectedInverse& inverse) {
   arms_.n_parts = count(parts_);
   arms_.n_separated = arms_.n_reduced - inner;
   separator_ = Rows(arms_.n_separated * arms_.n_separated, lanes_);
-  arms_.order = order_.data();
   arms_.parts = parts_.data();
   arms_.separator = separator_.data();
 }
@@ -287,18 +298,18 @@ bool ArmNumbersIn<D>::cut_as(const solvers::DissectedInverse& inverse) const {
 }
 
 template <int D>
-bool ArmNumbersIn<D>::set_inverse(int lane, const solvers::DissectedInverse& inverse) {
-  if (inverse.eliminates_first()) return false;
-  if (cut_order_.empty()) cut(inverse);
-  if (!cut_as(inverse)) return false;
+bool ArmNumbersIn<D>::set_inverse(int lane, const solvers::DissectedInverse* inverse) {
+  const bool fits = inverse != nullptr && !inverse->eliminates_first();
+  if (std::exchange(is_first_, false) && fits) cut(*inverse);
+  if (!fits || !cut_as(*inverse)) return false;
   for (std::size_t p = 0; p < parts_.size(); ++p) {
-    const auto& part = inverse.parts()[p];
+    const auto& part = inverse->parts()[p];
     const int rows = parts_[p].size, n_boundary = parts_[p].n_boundary;
     const int behind = put_blocks(inverses_[p], 0, lane, part.inverse, 0, rows);
     put_blocks(inverses_[p], behind, lane, part.inverse, rows, n_boundary);
     put_blocks(from_boundaries_[p], 0, lane, part.from_boundary, 0, rows);
   }
-  put_blocks(separator_, 0, lane, inverse.separator(), 0, arms_.n_separated);
+  put_blocks(separator_, 0, lane, inverse->separator(), 0, arms_.n_separated);
   return true;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "flexarm/solvers/increment.hpp"
-#include "flexarm/solvers/kept_factor.hpp"
 #include "flexarm/solvers/step_iteration.hpp"
 #include "flexarm/solvers/step_matrix.hpp"
 
@@ -106,15 +105,47 @@ void StepperIn<D>::find_law_forces(int lane) {
   }
 }
 
+template <int D>
+void StepperIn<D>::take_unknowns(int lane, Eigen::VectorXd& x) const {
+  const std::vector<int>& unknowns = numbers_.unknowns();
+  x.resize(static_cast<Eigen::Index>(unknowns.size()));
+  for (Eigen::Index k = 0; k < x.size(); ++k) x[k] = dx_(unknowns[static_cast<std::size_t>(k)], lane);
+}
+
+template <int D>
+void StepperIn<D>::put_unknowns(int lane, const Eigen::VectorXd& x) {
+  const std::vector<int>& unknowns = numbers_.unknowns();
+  for (Eigen::Index k = 0; k < x.size(); ++k) dx_(unknowns[static_cast<std::size_t>(k)], lane) = x[k];
+}
+
 /// The increments of a lane with what has changed in its matrix since that was factored.
 template <int D>
 void StepperIn<D>::follow_changes(int lane, bool again) {
   Lane& own = lane_[static_cast<std::size_t>(lane)];
-  const std::vector<int>& unknowns = numbers_.unknowns();
-  x_.resize(static_cast<Eigen::Index>(unknowns.size()));
-  for (Eigen::Index k = 0; k < x_.size(); ++k) x_[k] = dx_(unknowns[static_cast<std::size_t>(k)], lane);
+  take_unknowns(lane, x_);
   own.changes.correct(own.now, x_, again);
-  for (Eigen::Index k = 0; k < x_.size(); ++k) dx_(unknowns[static_cast<std::size_t>(k)], lane) = x_[k];
+  put_unknowns(lane, x_);
+}
+
+/// Increments of all lanes, as the matrices that were factored make them.
+template <int D>
+void StepperIn<D>::solve(const Step& step, const Drive& drive) {
+  const int n_lanes = static_cast<int>(lane_.size());
+  const auto of_itself = [&](int k, auto do_it) {
+    Lane& lane = lane_[static_cast<std::size_t>(k)];
+    if (lane.own_factor && active_(0, k) != 0) do_it(lane);
+  };
+  kernel_.find_sides(numbers_.arms(), motion_, step, drive);
+  for (int k = 0; k < n_lanes; ++k) {
+    of_itself(k, [&](Lane& lane) {
+      take_unknowns(k, lane.increments);
+      lane.own_factor->solve(lane.increments);
+    });
+  }
+  kernel_.solve(numbers_.arms(), motion_);
+  for (int k = 0; k < n_lanes; ++k) {
+    of_itself(k, [&](Lane& lane) { put_unknowns(k, lane.increments); });
+  }
 }
 
 template <int D>
@@ -142,10 +173,11 @@ bool StepperIn<D>::factor(int lane, double h) {
   const auto* S = own.matrix.assemble(here, own.loads, c, law_tangents);
   if (S == nullptr) return false;
   const auto& welds = numbers_.welds(lane);
-  solvers::KeptFactor factor;
-  if (!factor.factor(welds.any() ? welds.reduce(*S) : *S)) return false;
-  own.changes.keep(here, c, law_tangents, factor.by_substitution());
-  if (factor.inverse() == nullptr || !numbers_.set_inverse(lane, *factor.inverse())) return false;
+  auto factor = std::make_unique<solvers::KeptFactor>();
+  if (!factor->factor(welds.any() ? welds.reduce(*S) : *S)) return false;
+  own.changes.keep(here, c, law_tangents, factor->by_substitution());
+  const bool with_others = numbers_.set_inverse(lane, factor->inverse());
+  own.own_factor = with_others ? nullptr : std::move(factor);
   if (turns_together()) numbers_.set_turns(lane, own.changes);
   return true;
 }
@@ -193,7 +225,7 @@ void StepperIn<D>::iterate(const Step& step, const Drive& drive) {
     for (int k = 0; k < n_lanes && by_lane; ++k) {
       if (active_(0, k) != 0) find_law_forces(k);
     }
-    kernel_.solve(numbers_.arms(), motion_, step, drive);
+    solve(step, drive);
     for (int k = 0; k < n_lanes && by_lane; ++k) {
       if (active_(0, k) != 0) follow_changes(k, iterations[static_cast<std::size_t>(k)].again());
     }

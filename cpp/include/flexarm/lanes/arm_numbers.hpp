@@ -39,8 +39,8 @@ class ArmNumbersIn {
   const Arms& arms() const { return arms_; }
   const solvers::WeldsIn<D>& welds(int lane) const { return *welds_[static_cast<std::size_t>(lane)]; }
 
-  /// @return false if the inverse is not cut as those of the lanes before.
-  bool set_inverse(int lane, const solvers::DissectedInverse& inverse);
+  /// @param inverse null: there is none. @return false if it is not cut as those of the lanes before
+  bool set_inverse(int lane, const solvers::DissectedInverse* inverse);
 
   const std::vector<int>& unknowns() const { return unknowns_; }  ///< that steps solve for
 
@@ -58,6 +58,7 @@ class ArmNumbersIn {
   void place_points(const std::vector<const SystemIn<D>*>& arms);
   void fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& loads);
   void fill_sections(int lane, const SystemIn<D>& arm);
+  void set_order(std::vector<int> order);
   bool cut_as(const solvers::DissectedInverse& inverse) const;
   void cut(const solvers::DissectedInverse& inverse);
 
@@ -73,6 +74,7 @@ class ArmNumbersIn {
   Rows beams_, bodies_, weights_, gravity_, joint_numbers_, gear_numbers_, law_numbers_, scalar_inertia_, follower_frames_,
       reach_, mass_scale_, point_offsets_, sections_, consistent_;
 
+  bool is_first_ = true;  // of the inverses to be set: all others are to be cut as it is
   std::vector<int> unknowns_;
   std::vector<int> cut_order_, order_;  // of `unknowns_`, and of all
   std::vector<std::vector<int>> boundaries_;

@@ -25,6 +25,7 @@ class KernelCode : TurnCode<D, N, Processor> {
  public:
   static constexpr Kernel kernel{N,
                                  &KernelCode::predict,
+                                 &KernelCode::find_sides,
                                  &KernelCode::solve,
                                  &KernelCode::turn,
                                  &KernelCode::correct,
@@ -205,7 +206,8 @@ class KernelCode : TurnCode<D, N, Processor> {
     add_matrix(motion.r, n * node2, Twist(f.template tail<n>()));
   }
 
-  [[gnu::flatten]] static void solve(const Arms& arms, Motion& motion, const Step& step, const Drive& drive) {
+  [[gnu::flatten]] static void find_sides(const Arms& arms, Motion& motion, const Step& step,
+                                          const Drive& drive) {
     find_residual(arms, motion, drive);
     const int n_free = n * arms.n_nodes + arms.n_free_scalars;
     for (int k = 0; k < n_free; ++k) put(motion.dx, k, -at(motion.r, k));
@@ -219,11 +221,10 @@ class KernelCode : TurnCode<D, N, Processor> {
       add_matrix(motion.dx, n * carrier,
                  geometry::adjoint_transpose_product<D>(X_inverse, matrix<Twist>(motion.dx, n * node)));
     }
-    substitute(arms, motion);
   }
 
   /// Equations (2), (3) of solvers/dissected_inverse.hpp.
-  static void substitute(const Arms& arms, Motion& motion) {
+  [[gnu::flatten]] static void solve(const Arms& arms, Motion& motion) {
     double *b = motion.work, *products = b + N * arms.n_reduced;
     for (int k = 0; k < arms.n_reduced; ++k) put(b, k, at(motion.dx, arms.order[k]));
     double* b_s = b + N * (arms.n_reduced - arms.n_separated);

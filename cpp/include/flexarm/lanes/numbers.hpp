@@ -148,8 +148,10 @@ struct Kernel {
   int lanes;
   /// State 1 with the accelerations of state 0.
   void (*predict)(const Arms&, Motion&, const Step&, const Drive&);
-  /// Residuals of state 1, and the increments that the kept inverse makes of them.
-  void (*solve)(const Arms&, Motion&, const Step&, const Drive&);
+  /// What the increments of state 1 solve: right sides from its residuals, in their place.
+  void (*find_sides)(const Arms&, Motion&, const Step&, const Drive&);
+  /// The increments that the kept inverse makes of them.
+  void (*solve)(const Arms&, Motion&);
   /// What turned joints make of the increments. @param fresh not 0 in lanes whose joints have turned since
   /// the last call, or that have another inverse
   void (*turn)(const Arms&, Motion&, const double* fresh);

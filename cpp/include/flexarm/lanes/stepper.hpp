@@ -7,11 +7,13 @@
 /// iteration fails, the arm leaves its lane: it is to run alone.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "flexarm/assembly/iteration_matrix.hpp"
 #include "flexarm/lanes/arm_numbers.hpp"
 #include "flexarm/solvers/hht.hpp"
+#include "flexarm/solvers/kept_factor.hpp"
 #include "flexarm/solvers/tangent_changes.hpp"
 
 namespace flexarm::lanes {
@@ -54,6 +56,9 @@ class StepperIn {
     StateIn<D> now;  // as it started, but for what laws need
     assembly::IterationMatrixIn<D> matrix;
     solvers::TangentChangesIn<D> changes;
+    /// Where the lane's matrix is not cut as those of others, as when entries have joined its pattern.
+    std::unique_ptr<solvers::KeptFactor> own_factor = {};
+    Eigen::VectorXd increments = {};  // of its own factors
     bool runs = true;
     double contraction = 0.5;
     solvers::HhtStatistics statistics = {};
@@ -63,6 +68,9 @@ class StepperIn {
   void find_law_forces(int lane);
   bool turns_together() const { return own_laws_.empty() && lane_.front().changes.any(); }
   void follow_changes(int lane, bool again);
+  void take_unknowns(int lane, Eigen::VectorXd& x) const;
+  void put_unknowns(int lane, const Eigen::VectorXd& x);
+  void solve(const Step& step, const Drive& drive);
   bool factor(int lane, double h);
   void iterate(const Step& step, const Drive& drive);
 
