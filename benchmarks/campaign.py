@@ -1,6 +1,6 @@
 """What the engine of campaigns costs, and whether its memory stays flat.
 
-    python benchmarks/campaign.py
+    python benchmarks/campaign.py [--swing VARIANTS]
 
 Runs of a fixed time sleep, so that what is measured is the engine alone, whatever else the machine does. The
 overhead of a campaign of N runs of T s on W workers is
@@ -10,11 +10,15 @@ overhead of a campaign of N runs of T s on W workers is
 of the tasks alone, once workers are there; their start is told by itself. For 1, 10, 100 ms and 1 s, in
 tasks as `flexarm.campaigns.campaign` sizes them, and one by one. Memory is that of this process, with the
 scheduler, after a tenth of many short tasks and after all of them.
+
+With `--swing` so many variants of the swing (problem.py) run instead, in the elements and steps that reach
+0.01 mm, and statistics of the tip are kept.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -63,8 +67,12 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=20.0, help="of each measurement, roughly")
     parser.add_argument("--short", type=int, default=20_000, help="runs of the measurement of memory")
+    parser.add_argument("--swing", type=int, help="variants of the swing")
     options = parser.parse_args()
     workers = options.workers
+    if options.swing:
+        swing(options.swing, workers)
+        return
     variation = Variation(flexarm.Arm.from_toml(MODEL), frozenset(), (), (), (), ())
     with TemporaryDirectory() as folder:
         began = time.perf_counter()
@@ -84,6 +92,51 @@ def main() -> None:
                     spent = (time.perf_counter() - began) * workers / (runs * seconds) - 1  # eq. (1)
                     print(f"| {seconds:g} | {runs} | {size} | {100 * spent:.1f} |", flush=True)
             memory(client, variation, fresh_store(Path(folder)), options.short)
+
+
+ELEMENTS, STEP = 1, 2.5e-3  # of the swing at 0.01 mm (docs/benchmarks.md)
+STUDY = f"""format = "flexarm-study/1"
+run = "simulate"
+model = "arm.toml"
+drive = "swing.csv"
+step = {STEP}
+sampling = {{method = "sobol", n = COUNT, seed = 1}}
+vary = [
+    {{parameter = "links.rod.material.youngs_modulus", distribution = "normal", std = 2e9}},
+    {{parameter = "payloads.load.mass", distribution = "normal", std = 0.07}},
+    {{parameter = "effects.joint_compliance.hinge.stiffness", distribution = "lognormal", std = 1e4}},
+]
+keep = [{{quantity = "position", point = "tip", statistics = ["rms", "max", "final"]}}]
+"""
+
+
+def swing(count: int, workers: int) -> None:
+    """Print the time of a campaign of the swing, by the clock and of the processors, and its memory."""
+    import problem
+    from solve_flexarm import swinging_arm
+
+    with TemporaryDirectory() as folder:
+        room = Path(folder)
+        swinging_arm(ELEMENTS).to_toml(room / "arm.toml")
+        time_s = np.linspace(0, problem.END, 2001)
+        rows = np.c_[time_s, problem.angle(time_s)]
+        np.savetxt(room / "swing.csv", rows, "%.12f", ",", header="time_s,hinge", comments="")
+        (room / "study.toml").write_text(STUDY.replace("COUNT", str(count)))
+        process, most = psutil.Process(), [0.0]
+
+        def look(done: float, what: str) -> None:
+            family = (process, *process.children(recursive=True))
+            most.append(sum(each.memory_info().rss for each in family) / 2**20)
+
+        began = time.perf_counter()
+        done = flexarm.campaign(room / "study.toml", room / "out", jobs=workers, progress=look)
+        spent = time.perf_counter() - began
+        runs, computing = done.record["runs"], done.record["run_seconds"]
+    print(
+        f"{runs['ok']} of {count} runs on {workers} workers: {spent:.1f} s, {computing:.1f} s of computing, "
+        f"overhead {100 * (spent * workers / computing - 1):.0f} %, at most {max(most):.0f} MB; "
+        f"1e5 would take {1e5 / count * spent:.0f} s (load {os.getloadavg()[0]:.1f})"
+    )
 
 
 def memory(client, variation: Variation, store: Store, count: int) -> None:

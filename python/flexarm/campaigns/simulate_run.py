@@ -23,6 +23,7 @@ from flexarm.arrays import Floats
 from flexarm.campaigns.cases import Case
 from flexarm.campaigns.outcome import Outcome, Prepared, Runner, Value, Variable, tried
 from flexarm.campaigns.study import Found, Keep, Study
+from flexarm.comparison.poses import FORCES
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.predict import FRAMED_READINGS, READINGS, predict
@@ -87,6 +88,7 @@ class SimulateRun(Runner):
             "step": self.step,
             "alpha": self.alpha,
             "forces": "strain" in seen,
+            "consistent_forces": not seen.isdisjoint(FORCES),
             "rotations": any(quantity in TURNS for quantity in seen),
         }
         pairs = [(arm, self.drives[case]) for arm, case in zip(arms, cases, strict=True)]

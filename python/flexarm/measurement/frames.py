@@ -81,8 +81,16 @@ class Registration:
         turn, xyz = self.in_base
         return xyz.tolist(), Rotation.from_matrix(turn).as_euler("xyz").tolist()
 
+    @property
+    def is_base(self) -> bool:
+        """Return True if what is measured is what is in the base."""
+        given = (self.translation, self.rotation, self.origin, self.rpy, self.velocity)
+        return self.scale == 1 and not any(number for vector in given for number in vector)
+
     def positions(self, base: Floats, elapsed: Floats | float = 0.0) -> Floats:
         """Return positions as measured, eq. (1), from those in the base, shape (n, 3); `elapsed` [s] is s."""
+        if self.is_base:
+            return base
         shifted = base @ self.error_rotation.T + (np.asarray(self.translation) - np.asarray(self.origin))
         if any(self.velocity):
             shifted = shifted + np.multiply.outer(elapsed, np.asarray(self.velocity))

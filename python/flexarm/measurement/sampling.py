@@ -79,6 +79,8 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
 
     After the last step they are NaN; before the first one its value, for up to `EARLY` with its rate.
     """
+    if np.array_equal(instants, time):
+        return values.copy()
     if len(time) < 2:
         return np.where(_column(instants <= time[-1], values), values[0], np.nan)
     inside = np.clip(instants, time[0], time[-1])
