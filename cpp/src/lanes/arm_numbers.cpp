@@ -182,6 +182,8 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
            .n_outputs = count(outputs_),
            .outputs = outputs_.data(),
            .turns = {},
+           .n_forces = 0,
+           .by_forces = nullptr,
            .consistent = nullptr,
            .consistent_turns = {}};
 }
@@ -320,6 +322,16 @@ void ArmNumbersIn<D>::set_turns(int lane, const Changes& changes) {
     arms_.turns = turns_.turns();
   }
   turns_.set(lane, changes, changes.W()(cut_order_, Eigen::all));
+}
+
+template <int D>
+void ArmNumbersIn<D>::set_by_forces(int lane, const MatrixXd& W) {
+  if (arms_.by_forces == nullptr) {
+    by_forces_ = Rows(static_cast<int>(W.size()), lanes_);
+    arms_.n_forces = static_cast<int>(W.cols());
+    arms_.by_forces = by_forces_.data();
+  }
+  by_forces_.put_blocks(0, lane, MatrixXd(W(cut_order_, Eigen::all)), 0, arms_.n_reduced, arms_.n_forces);
 }
 
 template <int D>

@@ -54,7 +54,11 @@ StepperIn<D>::StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D
   for (int k = 0; k < all.n_laws; ++k) {
     if (!all.laws[k].linear) own_laws_.push_back(k);
   }
-  for (int lane = 0; lane < static_cast<int>(lane_.size()); ++lane) find_law_forces(lane);
+  for (int lane = 0; lane < static_cast<int>(lane_.size()); ++lane) {
+    take_scalars(lane);
+    find_law_forces(lane);
+  }
+  if (!own_laws_.empty()) forces_ = Rows(static_cast<int>(lane_.front().changes.W().cols()), lanes);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(all.n_scalars);
   drive_ = {zero, zero, zero, zero};
 }
@@ -90,9 +94,9 @@ StateIn<D> StepperIn<D>::state(int lane) const {
   return state;
 }
 
-/// What laws that are not linear put against the scalar coordinates of a lane.
+/// What laws need of the motion of a lane.
 template <int D>
-void StepperIn<D>::find_law_forces(int lane) {
+void StepperIn<D>::take_scalars(int lane) {
   Lane& own = lane_[static_cast<std::size_t>(lane)];
   const int lanes = kernel_.lanes, offset = own.arm->scalar_offset();
   own.now.t = t_;
@@ -100,6 +104,12 @@ void StepperIn<D>::find_law_forces(int lane) {
     own.now.s[k] = motion_.s[lanes * k + lane];
     own.now.v[offset + k] = v_(offset + k, lane);
   }
+}
+
+/// What laws that are not linear put against the scalar coordinates of a lane.
+template <int D>
+void StepperIn<D>::find_law_forces(int lane) {
+  Lane& own = lane_[static_cast<std::size_t>(lane)];
   for (const int k : own_laws_) {
     law_forces_(k, lane) = own.arm->respond(static_cast<std::size_t>(k), own.now).force;
   }
@@ -118,13 +128,18 @@ void StepperIn<D>::put_unknowns(int lane, const Eigen::VectorXd& x) {
   for (Eigen::Index k = 0; k < x.size(); ++k) dx_(unknowns[static_cast<std::size_t>(k)], lane) = x[k];
 }
 
-/// The increments of a lane with what has changed in its matrix since that was factored.
+/// Forces of what has changed in the matrix of a lane since that was factored.
 template <int D>
-void StepperIn<D>::follow_changes(int lane, bool again) {
+void StepperIn<D>::find_forces(int lane, bool again) {
   Lane& own = lane_[static_cast<std::size_t>(lane)];
-  take_unknowns(lane, x_);
-  own.changes.correct(own.now, x_, again);
-  put_unknowns(lane, x_);
+  if (!own.changes.prepare(own.now, again)) {
+    forces_.put(0, lane, Eigen::VectorXd::Zero(own.changes.W().cols()));
+    return;
+  }
+  const std::vector<int>& unknowns = numbers_.unknowns();
+  along_.resize(own.changes.W().cols());
+  own.changes.find_along([&](int row) { return dx_(unknowns[static_cast<std::size_t>(row)], lane); }, along_);
+  forces_.put(0, lane, own.changes.forces(own.now, along_));
 }
 
 /// Increments of all lanes, as the matrices that were factored make them.
@@ -179,6 +194,7 @@ bool StepperIn<D>::factor(int lane, double h) {
   const bool with_others = numbers_.set_inverse(lane, factor->inverse());
   own.own_factor = with_others ? nullptr : std::move(factor);
   if (turns_together()) numbers_.set_turns(lane, own.changes);
+  if (!own_laws_.empty()) numbers_.set_by_forces(lane, own.changes.W());
   return true;
 }
 
@@ -203,7 +219,7 @@ void StepperIn<D>::advance(double h, const solvers::Drives& drives) {
     Lane& lane = lane_[static_cast<std::size_t>(k)];
     lane.statistics.steps += lane.runs;
     if (own_laws_.empty() || !lane.runs) continue;
-    find_law_forces(k);
+    take_scalars(k);
     solvers::remember_laws(*lane.arm, lane.now);
     find_law_forces(k);
   }
@@ -223,12 +239,15 @@ void StepperIn<D>::iterate(const Step& step, const Drive& drive) {
   }
   while (waited_for > 0) {
     for (int k = 0; k < n_lanes && by_lane; ++k) {
-      if (active_(0, k) != 0) find_law_forces(k);
+      if (active_(0, k) == 0) continue;
+      take_scalars(k);
+      find_law_forces(k);
     }
     solve(step, drive);
     for (int k = 0; k < n_lanes && by_lane; ++k) {
-      if (active_(0, k) != 0) follow_changes(k, iterations[static_cast<std::size_t>(k)].again());
+      if (active_(0, k) != 0) find_forces(k, iterations[static_cast<std::size_t>(k)].again());
     }
+    if (by_lane) kernel_.take_forces(numbers_.arms(), motion_, forces_.data());
     if (together) {
       for (int k = 0; k < kernel_.lanes; ++k) {  // those that are left over go with the first
         fresh_(0, k) = !iterations[static_cast<std::size_t>(k < n_lanes ? k : 0)].again();

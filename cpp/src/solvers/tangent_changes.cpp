@@ -174,26 +174,6 @@ void TangentChangesIn<D>::find_laws_here(const assembly::StateIn<D>& state) {
   }
 }
 
-/// u·x of a law, eq. (4).
-template <int D>
-double TangentChangesIn<D>::along_law(int k, const VectorXd& x) const {
-  const auto entry = [&](int row) { return row >= 0 ? x[row] : 0.0; };
-  return entry(law_rows_[k].plus) - entry(law_rows_[k].minus);
-}
-
-template <int D>
-VectorXd TangentChangesIn<D>::along(const VectorXd& x) const {
-  VectorXd Ux(W_.cols());
-  Eigen::Index at = 0;
-  for (const TurningJoint& joint : joints_) {
-    Ux.segment<across>(at) = joint.on_parent.transpose() * x.segment<n>(joint.node_row);
-    Ux.segment<across>(at + across) = joint.P.transpose() * x.segment<n>(joint.first_row);
-    at += 2 * across;
-  }
-  for (int k : laws_) Ux[at++] = along_law(k, x);
-  return Ux;
-}
-
 /// Factors of (5), and Ĝ of (6), with C of (2) without its zeros.
 template <int D>
 template <int joints>
@@ -223,18 +203,16 @@ void TangentChangesIn<D>::prepare_for() {
 /// f_J of (5) where laws take no forces, with what `prepare_for` made.
 template <int D>
 template <int joints>
-void TangentChangesIn<D>::find_joint_forces(const VectorXd& x) {
+void TangentChangesIn<D>::find_joint_forces(const VectorXd& along) {
   constexpr int N = columns_of<joints>;
   if constexpr (joints != 0) {
     const Eigen::Index n_j = N >= 0 ? N : LU_.rows();
     Eigen::Matrix<double, N, 1> C_x(n_j);
     for (int k = 0; 2 * across * k < n_j; ++k) {
-      const TurningJoint& joint = joints_[k];
       const int on_node = 2 * across * k, on_row = on_node + across;
       const Turned<D> E = C_.template block<across, across>(on_row, on_node);
-      C_x.template segment<across>(on_node) =
-          E.transpose() * (joint.P.transpose() * x.segment<n>(joint.first_row));
-      C_x.template segment<across>(on_row) = E * (joint.on_parent.transpose() * x.segment<n>(joint.node_row));
+      C_x.template segment<across>(on_node) = E.transpose() * along.segment<across>(on_row);
+      C_x.template segment<across>(on_row) = E * along.segment<across>(on_node);
     }
     substitute(Eigen::Map<const ByRows<N>>(LU_.data(), n_j, n_j), pivots_, C_x);
     f_.template head<N>(n_j) = C_x;
@@ -244,10 +222,9 @@ void TangentChangesIn<D>::find_joint_forces(const VectorXd& x) {
 /// f_L of (6), and what it changes of f_J. @param L, most laws, as LawVector has them
 template <int D>
 template <int L, int most>
-void TangentChangesIn<D>::add_law_forces(const VectorXd& x) {
+void TangentChangesIn<D>::add_law_forces(const VectorXd& along) {
   const Eigen::Index n_l = G_l_.rows(), n_j = f_.size() - n_l;
-  LawVector<L, most> z(n_l);
-  for (Eigen::Index k = 0; k < n_l; ++k) z[k] = along_law(laws_[k], x);
+  LawVector<L, most> z = along.tail(n_l);
   z -= G_.bottomLeftCorner(n_l, n_j).lazyProduct(f_.head(n_j));
   const LawMatrix<L, most> G_l = G_l_;
   f_.tail(n_l) = law_forces(G_l, z, laws_here_);
@@ -271,18 +248,31 @@ typename TangentChangesIn<D>::ForNumbers TangentChangesIn<D>::for_numbers(std::s
 }
 
 template <int D>
-void TangentChangesIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x, bool again) {
-  if (W_.cols() == 0) return;
+bool TangentChangesIn<D>::prepare(const assembly::StateIn<D>& state, bool again) {
+  if (W_.cols() == 0) return false;
   if (!again) {
     turned_ = turn_joints(state);
     if (turned_ || !laws_.empty()) (this->*for_numbers_.prepare)();
   }
-  if (!turned_ && laws_.empty()) return;
-  (this->*for_numbers_.find_joint_forces)(x);
+  return turned_ || !laws_.empty();
+}
+
+template <int D>
+const VectorXd& TangentChangesIn<D>::forces(const assembly::StateIn<D>& state, const VectorXd& along) {
+  (this->*for_numbers_.find_joint_forces)(along);
   if (!laws_.empty()) {
     find_laws_here(state);
-    (this->*for_numbers_.add_law_forces)(x);
+    (this->*for_numbers_.add_law_forces)(along);
   }
+  return f_;
+}
+
+template <int D>
+void TangentChangesIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x, bool again) {
+  if (!prepare(state, again)) return;
+  Ux_.resize(W_.cols());
+  find_along([&](int row) { return x[row]; }, Ux_);
+  forces(state, Ux_);
   packed_W_.multiply(f_.data(), Wy_.data());
   x -= Wy_.head(x.size());  // eq. (1)
 }

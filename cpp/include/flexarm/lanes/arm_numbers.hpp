@@ -48,6 +48,9 @@ class ArmNumbersIn {
   /// What turned joints change in the inverse that was set last.
   void set_turns(int lane, const Changes& changes);
 
+  /// W of turned joints and laws, whose forces are found lane by lane.
+  void set_by_forces(int lane, const Eigen::MatrixXd& W);
+
   /// @param change of accelerations of free scalar coordinates, of multipliers and of Uᵀ x by Φ''
   /// @param W of the first two
   void set_consistent(int lane, const Eigen::MatrixXd& change, const Changes& changes,
@@ -72,7 +75,7 @@ class ArmNumbersIn {
   std::vector<JointOutput> outputs_;
   std::vector<PointPlace> points_;
   Rows beams_, bodies_, weights_, gravity_, joint_numbers_, gear_numbers_, law_numbers_, scalar_inertia_, follower_frames_,
-      reach_, mass_scale_, point_offsets_, sections_, consistent_;
+      reach_, mass_scale_, point_offsets_, sections_, consistent_, by_forces_;
 
   bool is_first_ = true;  // of the inverses to be set: all others are to be cut as it is
   std::vector<int> unknowns_;

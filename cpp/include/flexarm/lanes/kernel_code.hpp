@@ -28,6 +28,7 @@ class KernelCode : TurnCode<D, N, Processor> {
                                  &KernelCode::find_sides,
                                  &KernelCode::solve,
                                  &KernelCode::turn,
+                                 &KernelCode::take_forces,
                                  &KernelCode::correct,
                                  &KernelCode::record};
 
@@ -256,11 +257,21 @@ class KernelCode : TurnCode<D, N, Processor> {
     const Turns& turns = arms.turns;
     const Real chosen = Real::at(fresh);
     if (!chosen.all_below(0.5)) Turning::prepare(turns, motion.s, chosen);
-    double *along = motion.work, *f = along + N * turns.n_columns, *change = f + N * turns.n_columns;
+    double *along = motion.work, *f = along + N * turns.n_columns;
     Turning::find_along(turns, motion.dx, along);
     Turning::find_forces(turns, along, f);
-    multiply(turns.W, turns.n_rows, turns.n_columns, f, change);
-    for (int k = 0; k < turns.n_rows; ++k) add(motion.dx, arms.order[k], -at(change, k));
+    subtract(arms, motion, turns.W, turns.n_columns, f, f + N * turns.n_columns);
+  }
+
+  [[gnu::flatten]] static void take_forces(const Arms& arms, Motion& motion, const double* forces) {
+    subtract(arms, motion, arms.by_forces, arms.n_forces, forces, motion.work);
+  }
+
+  /// Δ := Δ − W f.
+  static void subtract(const Arms& arms, Motion& motion, const double* W, int columns, const double* f,
+                       double* change) {
+    multiply(W, arms.n_reduced, columns, f, change);
+    for (int k = 0; k < arms.n_reduced; ++k) add(motion.dx, arms.order[k], -at(change, k));
   }
 
   [[gnu::flatten]] static void correct(const Arms& arms, Motion& motion, const Step& step,

@@ -112,6 +112,8 @@ struct Arms {
   int n_outputs;
   const JointOutput* outputs;
   Turns turns;  ///< of the kept inverse
+  int n_forces;
+  const double* by_forces;  ///< W of forces that are found lane by lane: (n_reduced, n_forces), by blocks of rows
   /// Change of accelerations of free scalar coordinates, of multipliers and of Uᵀ x by Φ'': (n_free_scalars +
   /// n_constraints + n_columns, n_constraints); null: forces are those of the stepping. W has rows of the
   /// first two.
@@ -155,6 +157,8 @@ struct Kernel {
   /// What turned joints make of the increments. @param fresh not 0 in lanes whose joints have turned since
   /// the last call, or that have another inverse
   void (*turn)(const Arms&, Motion&, const double* fresh);
+  /// What forces of turned joints and laws, of which each lane has its own, make of the increments.
+  void (*take_forces)(const Arms&, Motion&, const double* forces);
   /// Corrects state 1 in lanes whose entry of `active` is not 0. @param sizes of the increments in all lanes;
   /// not a number where one is not finite
   void (*correct)(const Arms&, Motion&, const Step&, const double* active, double* sizes);

@@ -65,9 +65,10 @@ class StepperIn {
   };
 
   void put(int lane, const StateIn<D>& state);
+  void take_scalars(int lane);
   void find_law_forces(int lane);
   bool turns_together() const { return own_laws_.empty() && lane_.front().changes.any(); }
-  void follow_changes(int lane, bool again);
+  void find_forces(int lane, bool again);
   void take_unknowns(int lane, Eigen::VectorXd& x) const;
   void put_unknowns(int lane, const Eigen::VectorXd& x);
   void solve(const Step& step, const Drive& drive);
@@ -83,8 +84,8 @@ class StepperIn {
   long steps_ = 0;
   solvers::DriveValues drive_;
   Rows frames_, frames_before_, s_, s_before_, v_, v_dot_, a_, multipliers_, exponent_, r_, dx_, work_,
-      acceleration_, law_forces_, active_, fresh_, sizes_;
-  Eigen::VectorXd x_;          // scratch
+      acceleration_, law_forces_, forces_, active_, fresh_, sizes_;
+  Eigen::VectorXd along_;      // scratch
   std::vector<int> own_laws_;  // whose forces are found lane by lane
   Motion motion_;
 };

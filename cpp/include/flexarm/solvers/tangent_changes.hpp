@@ -72,6 +72,11 @@ class TangentChangesIn {
   /// @param again whether joints have hardly turned since the correction before, with factors as they were
   void correct(const assembly::StateIn<D>& state, Eigen::VectorXd& x, bool again = false);
 
+  /// The two parts of it: C of this state. @return whether anything has changed
+  bool prepare(const assembly::StateIn<D>& state, bool again);
+  /// f of (1). @param along Uᵀ x
+  const Eigen::VectorXd& forces(const assembly::StateIn<D>& state, const Eigen::VectorXd& along);
+
   static constexpr int n = geometry::freedoms<D>, across = across_joint<D>;
   using Across = Eigen::Matrix<double, n, across>;
 
@@ -88,7 +93,28 @@ class TangentChangesIn {
   const Eigen::MatrixXd& W() const { return W_; }
   const Eigen::MatrixXd& G() const { return G_; }
   double scale() const { return factors_.constraint; }    ///< s of (2)
-  Eigen::VectorXd along(const Eigen::VectorXd& x) const;  ///< Uᵀ x
+  Eigen::VectorXd along(const Eigen::VectorXd& x) const {  ///< Uᵀ x
+    Eigen::VectorXd Ux(W_.cols());
+    find_along([&](int row) { return x[row]; }, Ux);
+    return Ux;
+  }
+  /// The same of entries x(row).
+  template <class Entries>
+  void find_along(const Entries& x, Eigen::VectorXd& Ux) const {
+    const auto twist = [&](int first) {
+      geometry::Twist<D> found;
+      for (int i = 0; i < n; ++i) found[i] = x(first + i);
+      return found;
+    };
+    Eigen::Index at = 0;
+    for (const TurningJoint& joint : joints_) {
+      Ux.template segment<across>(at) = joint.on_parent.transpose() * twist(joint.node_row);
+      Ux.template segment<across>(at + across) = joint.P.transpose() * twist(joint.first_row);
+      at += 2 * across;
+    }
+    const auto entry = [&](int row) { return row >= 0 ? x(row) : 0.0; };
+    for (int k : laws_) Ux[at++] = entry(law_rows_[k].plus) - entry(law_rows_[k].minus);  // eq. (4)
+  }
 
  private:
   /// Rows of u in (4); none where a coordinate is prescribed.
@@ -102,7 +128,6 @@ class TangentChangesIn {
   bool turn_joints(const assembly::StateIn<D>& state);
   void find_laws_here(const assembly::StateIn<D>& state);
   void directions(Eigen::MatrixXd& U) const;
-  double along_law(int k, const Eigen::VectorXd& x) const;
 
   /// What depends on the turns of the joints alone, and the forces, for numbers of joints and laws; the former
   /// is Eigen::Dynamic for more than most_in_steps.
@@ -135,7 +160,7 @@ class TangentChangesIn {
   Eigen::MatrixXd LU_, C_G_, G_l_;  // of I + C G_JJ, by rows; (I + C G_JJ)⁻¹ C G_JL; Ĝ
   Pivots<Eigen::Dynamic> pivots_;
   PackedMatrix packed_W_;
-  Eigen::VectorXd f_, Wy_;
+  Eigen::VectorXd f_, Wy_, Ux_;
 };
 
 }  // namespace flexarm::solvers
