@@ -143,6 +143,19 @@ def test_a_task_takes_longer_where_there_are_many_workers():
     assert campaigns.task_size(1e-3, 2**20, 2) == 32  # what it returns is bounded
 
 
+def test_the_time_of_a_run_is_not_that_of_the_first_one():
+    """The nominal run loads what all need, and others go several at a time."""
+
+    class Quick:
+        at_once = 4
+
+        def outcomes(self, arms, cases):
+            return [{} for _, _ in zip(arms, cases, strict=True)]
+
+    assert campaigns.seconds_of_a_run(Quick(), None, 0.2) < 0.05
+    assert campaigns.seconds_of_a_run(Quick(), None, 10.0) == 10.0
+
+
 def test_another_study_does_not_go_on_with_this_one(simulated, tmp_path):
     flexarm.campaign(simulated, tmp_path / "out", jobs=1)
     simulated.write_text(SIMULATED.replace("n = 16", "n = 32"))

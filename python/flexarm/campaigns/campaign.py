@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arguments import FLAG, JOBS, PATH, TEXT, takes
+from flexarm.arm import Arm
 from flexarm.campaigns.cases import label_names
 from flexarm.campaigns.engine import client_of, compute_here, compute_with, page_of
 from flexarm.campaigns.findings import findings_of
 from flexarm.campaigns.job import Row
-from flexarm.campaigns.outcome import Outcome
+from flexarm.campaigns.outcome import Outcome, Runner
 from flexarm.campaigns.plan import Plan, planned, refuse_other
 from flexarm.campaigns.results import write_results
 from flexarm.campaigns.store import RESULTS, Store, refuse_gaps
@@ -234,7 +235,8 @@ def _compute(
     began = time.perf_counter()
     with reading(plan.file.parent / plan.study.model, "a model", "model"):
         nominal = plan.job.runner.nominal(plan.arm)
-    each = (time.perf_counter() - began) / len(nominal) if nominal else TASK_SECONDS
+    spent = time.perf_counter() - began
+    each = seconds_of_a_run(plan.job.runner, plan.arm, spent / len(nominal)) if nominal else TASK_SECONDS
     tally = _Tally(plan.count, len(done), progress)
 
     def put(rows: Sequence[Row]) -> None:
@@ -255,6 +257,16 @@ def _compute(
                 size = task_size(each, plan.row_bytes, workers)
                 compute_with(client, plan.job, plan.tasks(pending, size, workers), put)
         _write(plan, store, nominal)
+
+
+def seconds_of_a_run(runner: Runner, arm: Arm, nominal: float) -> float:
+    """Return the time of one run among others [s], given that of the nominal one, which loads libraries."""
+    size = runner.at_once
+    if nominal * size > TASK_SECONDS:
+        return nominal
+    began = time.perf_counter()
+    runner.outcomes([arm] * size, [0] * size)
+    return min(nominal, (time.perf_counter() - began) / size)
 
 
 def _here(jobs: int | None, seconds: float) -> bool:
