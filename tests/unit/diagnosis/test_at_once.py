@@ -1,5 +1,7 @@
 """Simulations at once are what they are one after the other."""
 
+from functools import reduce
+
 import numpy as np
 import pytest
 from arms import drive, smooth_step
@@ -8,7 +10,16 @@ from planted import NOISE, one_joint, run_of
 import flexarm
 from flexarm import _core
 from flexarm.diagnosis.problem import Problem
-from flexarm.effects import JointCompliance, LinkLength, LinkStiffness, PayloadMass, ReflectorOffset
+from flexarm.effects import (
+    GearRatio,
+    JointCompliance,
+    JointTiltCompliance,
+    LinkLength,
+    LinkStiffness,
+    PayloadMass,
+    ReflectorOffset,
+    TransmissionError,
+)
 from flexarm.errors import NotConverged
 from flexarm.measurement import predict
 from flexarm.record import Record, Signal
@@ -82,10 +93,18 @@ def moved_to_rest(seconds=4.0):
 
 
 @pytest.mark.skipif(_core.lanes() == 0, reason="this processor takes no arms side by side")
-@pytest.mark.parametrize("longer", [0.0, 0.006])
-def test_models_side_by_side_move_as_each_does_alone(longer, monkeypatch):
+@pytest.mark.parametrize(
+    "effects",
+    [
+        (),
+        (LinkLength(at="rod", error=0.006),),
+        (TransmissionError(at="hinge", amplitude=2e-4, multiple=2), GearRatio(at="hinge", scale=1.01)),
+        (JointTiltCompliance(at="hinge", stiffness=2e5),),
+    ],
+)
+def test_models_side_by_side_move_as_each_does_alone(effects, monkeypatch):
     """Also with a reflector off its place; none of them is simulated alone."""
-    arm = one_joint().with_effect(LinkLength(at="rod", error=longer))
+    arm = reduce(flexarm.Arm.with_effect, effects, one_joint())
     off = ReflectorOffset(at="tip", offset=(0.001, -0.002, -0.003))
     models = [arm, *(arm.with_effect(LinkStiffness(at="rod", scale=part)) for part in (0.9, 1.1))]
     models += [each.with_effect(off) for each in models]
