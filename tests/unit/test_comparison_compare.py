@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
-from flexarm.comparison import compare
+from flexarm.comparison import compare, simulated_record
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.alignment_parameters import AlignmentParameter
 from flexarm.comparison.simulated_record import Placement
@@ -492,3 +492,19 @@ def test_gaps_of_the_development_cases_are_those_of_an_independent_simulator(sha
         assert rms["total"] == pytest.approx(answer[key]["total"], rel=0.01)
         first = "tangential" if "tangential" in rms else "x"
         assert rms[first] == pytest.approx(answer[key]["tangential"], rel=0.01)
+
+
+def test_a_signal_is_predicted_once_at_its_instants(run, monkeypatch):
+    """Gross outliers and the gap look at one prediction: a million rows are not interpolated twice."""
+    asked, in_base = [], simulated_record.in_base
+
+    def counted(simulation, what, instants):
+        asked.append((what.name, instants.tobytes()))
+        return in_base(simulation, what, instants)
+
+    monkeypatch.setattr(simulated_record, "in_base", counted)
+    exact = {"clocks": {"controller": Clock(), "tracker": Clock()}, "frames": {"tracker": Frame()}}
+    compare(arm(), virtual(run, **exact), simulation=run)
+    seen = [each for each in asked if len(each[1]) > 8]  # of one instant it is asked whether it can be seen
+    assert {name for name, _ in seen} >= {"tip", "hub", "torque"}
+    assert len(set(seen)) == len(seen)

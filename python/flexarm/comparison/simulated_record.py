@@ -60,8 +60,10 @@ class SimulatedRecord:
     """Why the others are not compared."""
     arm: Any
     """The model whose effects on sensors, clocks and frames count."""
-    motions: dict[str, tuple[Floats, Floats]] | None = field(default=None, compare=False, repr=False)
-    """Last instants of each signal and its readings in the base there, where many frames are tried."""
+    motions: dict[tuple[str, str], tuple[Floats, Floats]] = field(
+        default_factory=dict, compare=False, repr=False
+    )
+    """Last instants of each signal and its readings in the base there: mostly frames and clocks stay."""
     _effects: dict[tuple[str, str, str], SensorEffects] = field(
         init=False, default_factory=dict, compare=False, repr=False
     )
@@ -103,18 +105,22 @@ class SimulatedRecord:
         if hold:
             instants = np.minimum(instants, self.simulation.time[-1])
         what = told(self.simulation, signal, self.record.drive)
-        motion = self._motion(what, instants)
-        true = in_frame(self.simulation, what, instants, motion, self.frame(signal, placement))
+        return self.reading(what, instants, placement)
+
+    def reading(self, signal: Signal, instants: Floats, placement: Placement) -> Floats:
+        """Return what the model's sensor shows at given instants, without rounding, shape (n, channels)."""
+        motion = self._motion(signal, instants)
+        true = in_frame(self.simulation, signal, instants, motion, self.frame(signal, placement))
         return self.effects(signal).reading(true, rounded=False)
 
     def _motion(self, what: Signal, instants: Floats) -> Floats:
         """Return readings in the base, those of the last call where the instants are the same."""
-        last = (self.motions or {}).get(what.name)
+        key = (what.name, what.quantity)
+        last = self.motions.get(key)
         if last is not None and np.array_equal(last[0], instants):
             return last[1]
         found = in_base(self.simulation, what, instants)
-        if self.motions is not None:
-            self.motions[what.name] = instants, found
+        self.motions[key] = instants, found
         return found
 
     def residual(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:

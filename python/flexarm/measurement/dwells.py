@@ -31,10 +31,11 @@ def find_dwells(time: Floats, scaled: Floats) -> list[Dwell]:
     least = 4  # least blocks of a dwell; the top of a slow wave is shorter
     blocks = _Blocks(time, scaled)
     found: list[Dwell] = []
-    begin = 0
+    begin, still = 0, blocks.still_for(least)
     while begin + least <= blocks.count:
-        end = blocks.grown(begin)
-        if end - begin >= least:
+        end = begin + still[begin]
+        if still[begin] == least:
+            end = blocks.grown(begin)
             found.append(_extended((begin * BLOCK, end * BLOCK - 1), scaled))
         begin = max(end, begin + 1)
     return _without_slow_motion(found, scaled)
@@ -54,28 +55,39 @@ class _Blocks:
         self._sums = np.concatenate([np.zeros((5, 1)), np.cumsum(powers, axis=1)], axis=1)
         self._limit = chdtri(BLOCK * np.arange(1.0, self.count + 1) - 1, alarm)  # of 1, 2, ... blocks
 
+    def still_for(self, most: int) -> list[int]:
+        """Return for how many blocks from each on all lengths are a dwell, `most` at most."""
+        begins = np.arange(self.count - most + 1)
+        found, still = np.zeros(len(begins), dtype=np.intp), np.ones(len(begins), dtype=bool)
+        for length in range(1, most + 1):
+            still &= ~self._moves(begins, begins + length)
+            found += still
+        return found.tolist()
+
     def grown(self, begin: int) -> int:
         """Return the end of the longest dwell from one block on, which is a dwell at all its lengths."""
         first_look = 32  # blocks of the first search; without influence on the result
         most = first_look  # most dwells are short: the searched length grows
         while True:
             ends = np.arange(begin + 1, min(begin + most, self.count) + 1)
-            moves = self._moves(begin, ends)
+            moves = self._moves(np.array([begin]), ends)
             if moves.any():
                 return int(ends[np.argmax(moves)]) - 1
             if ends[-1] == self.count:
                 return self.count
             most *= 4
 
-    def _moves(self, begin: int, ends: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Return True at each end up to which the blocks are no dwell."""
+    def _moves(self, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Return True where the blocks from a begin to an end are no dwell."""
         drift = 5.0  # greatest slope in its sigmas, eq. (1)
-        n = BLOCK * (ends - begin).astype(float)
-        t, tt, y, yy, ty = self._sums[:, ends] - self._sums[:, [begin]]
+        n = BLOCK * (ends - begins).astype(float)
+        t, tt, y, yy, ty = self._sums[:, ends] - self._sums[:, begins]
         scatter = yy - y * y / n
         spread = np.maximum(tt - t * t / n, 1e-300)
         slope = (ty - t * y / n) / np.sqrt(spread)
-        found: NDArray[np.bool_] = (scatter > self._limit[: len(ends)]) | (np.abs(slope) > drift)  # eq. (1)
+        found: NDArray[np.bool_] = (scatter > self._limit[ends - begins - 1]) | (
+            np.abs(slope) > drift
+        )  # eq. (1)
         return found
 
 

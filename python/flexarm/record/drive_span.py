@@ -43,9 +43,7 @@ ALLOWED = "a drive must cover the motion of the other signals: complete it, or l
 def range_at_rest(signal: Signal) -> float:
     """Return the range over which an angle's readings tell of no motion [rad or m]."""
     moved = 1e-3  # motion of an angle that is no rest [rad or m]
-    steps = np.diff(np.unique(signal.values[signal.valid, 0]))
-    coarse = ONE_STEP * float(np.min(steps)) if len(steps) else 0.0
-    return max(moved, NOISY * (signal.noise_std or 0.0), coarse)
+    return max(moved, NOISY * (signal.noise_std or 0.0), ONE_STEP * signal.finest_step)
 
 
 def uncovered(record: Record, signals: Iterable[Signal]) -> list[Problem]:

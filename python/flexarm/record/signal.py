@@ -241,7 +241,13 @@ class Signal:
         """Greatest quantisation step of the channels, as two readings show it; 0 where there is none."""
         return max(quantisation_step(column, fewest=2) for column in self.values.T)
 
-    @property
+    @cached_property
+    def finest_step(self) -> float:
+        """Least difference of two readings of its first channel, 0 if all are the same."""
+        steps = np.diff(np.unique(self.values[self.valid, 0]))
+        return float(np.min(steps)) if len(steps) else 0.0
+
+    @cached_property
     def rate_hz(self) -> float:
         """Samples a second, from the median interval; NaN below two samples."""
         return float(1 / np.median(np.diff(self.time))) if len(self.time) > 1 else float("nan")

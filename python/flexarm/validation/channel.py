@@ -40,7 +40,6 @@ from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
-from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import sample
 from flexarm.quantities import channel_names
 from flexarm.record import Signal
@@ -81,16 +80,27 @@ def _penalty(x: Floats, prior: Floats) -> float:
     return float(0.5 * np.sum((x / prior) ** 2))
 
 
-def _posterior(A: Floats, y: Floats, weight: Floats, sigma: float) -> tuple[Floats, Floats]:
-    """Return the mode of (2) and its variances; regressors are scaled, as their units differ."""
-    scale = np.sqrt(np.sum(A**2, axis=0))
-    scale[scale == 0] = 1.0
-    B = A / scale
-    w = effective_samples(len(y)) / (len(y) * sigma**2) if sigma > 0 else 1.0
-    H = w * (B.T @ B) + np.diag(weight / scale**2)
-    H += 1e-12 * np.trace(H) / len(H) * np.eye(len(H))
-    inverse = np.linalg.inv(H)
-    return inverse @ (w * (B.T @ y)) / scale, np.diag(inverse) / scale**2
+class _Regression:
+    """Squares and products of regressors A (n, k) and readings y (n,), summed once."""
+
+    def __init__(self, A: Floats, y: Floats) -> None:
+        self.A, self.y = A, y
+        self._squares, self._along = A.T @ A, A.T @ y
+
+    def posterior(self, weight: Floats, sigma: float) -> tuple[Floats, Floats]:
+        """Return the mode of (2) and its variances; regressors are scaled, as their units differ."""
+        scale = np.sqrt(np.diag(self._squares))
+        scale[scale == 0] = 1.0
+        count = len(self.y)
+        w = effective_samples(count) / (count * sigma**2) if sigma > 0 else 1.0
+        H = w * (self._squares / np.outer(scale, scale)) + np.diag(weight / scale**2)
+        H += 1e-12 * np.trace(H) / len(H) * np.eye(len(H))
+        inverse = np.linalg.inv(H)
+        return inverse @ (w * (self._along / scale)) / scale, np.diag(inverse) / scale**2
+
+    def rms(self, x: Floats) -> float:
+        """Return the root mean square of e of (1)."""
+        return float(np.sqrt(np.mean((self.y - self.A @ x) ** 2)))
 
 
 def predicted_at(
@@ -98,9 +108,8 @@ def predicted_at(
 ) -> Floats:
     """Return the prediction of a signal whose clock is late by `shift` [s] more."""
     instants = np.minimum(simulated.instants(signal, placement) - shift, simulated.simulation.time[-1])
-    return simulated.effects(signal).reading(
-        read(simulated.simulation, signal, instants, simulated.frame(signal, placement)), rounded=False
-    )
+    seen = simulated if shift == 0.0 else replace(simulated, motions={})
+    return seen.reading(signal, instants, placement)
 
 
 def nuisance_regressors(
@@ -151,7 +160,7 @@ def _axes(
         return {}
     whole = signal.replace(axes=("x", "y", "z"), channels=(), values=np.zeros((len(signal), 3)))
     bare = simulated.arm.replace(effects=(), uncertainty={})  # axes that were not measured have none
-    clean = replace(simulated, arm=bare)
+    clean = replace(simulated, arm=bare, motions={})
     return dict(zip("xyz", np.nan_to_num(predicted_at(clean, whole, placement)).T, strict=True))
 
 
@@ -211,26 +220,26 @@ class Channel:
 
     def fit(self) -> GainFit:
         """Return the estimate of (1); offsets and turns in another unit are as much larger as the gain."""
-        y, p = self.measured, self.predicted
-        A = np.column_stack([p, self.regressors])
+        regression = _Regression(np.column_stack([self.predicted, self.regressors]), self.measured)
         gain, std, sigma, rms, penalty = 1.0, np.inf, self._least_sigma(1.0), np.inf, 0.0
         for _ in range(POLICY.gain_rounds):
             last, prior = gain, self.prior_std * max(1.0, abs(gain))
-            x, spread = _posterior(A, y, np.append(0.0, 1 / prior**2), sigma)
+            x, spread = regression.posterior(np.append(0.0, 1 / prior**2), sigma)
             gain, std = float(x[0]), float(np.sqrt(spread[0]))
-            rms, penalty = float(np.sqrt(np.mean((y - A @ x) ** 2))), _penalty(x[1:], prior)
+            rms, penalty = regression.rms(x), _penalty(x[1:], prior)
             sigma = max(rms, self._least_sigma(gain))
             if abs(gain - last) < 1e-3 * max(abs(gain), std):
                 break
-        return GainFit(gain, std, sigma, abs(gain) * float(np.std(p)), self.noise, rms, penalty)
+        return GainFit(gain, std, sigma, abs(gain) * float(np.std(self.predicted)), self.noise, rms, penalty)
 
     def fit_at_gain(self, gain: float) -> GainFit:
         """Return the estimate of (1) at a given gain."""
-        rest, prior = self.measured - gain * self.predicted, self.prior_std * max(1.0, abs(gain))
+        regression = _Regression(self.regressors, self.measured - gain * self.predicted)
+        prior = self.prior_std * max(1.0, abs(gain))
         sigma, rms, penalty = self._least_sigma(gain), np.inf, 0.0
         for _ in range(3):
-            x = _posterior(self.regressors, rest, 1 / prior**2, sigma)[0]
-            rms, penalty = float(np.sqrt(np.mean((rest - self.regressors @ x) ** 2))), _penalty(x, prior)
+            x = regression.posterior(1 / prior**2, sigma)[0]
+            rms, penalty = regression.rms(x), _penalty(x, prior)
             sigma = max(rms, self._least_sigma(gain))
         moving = abs(gain) * float(np.std(self.predicted))
         return GainFit(gain, 0.0, sigma, moving, self.noise, rms, penalty)
@@ -249,10 +258,15 @@ class Channel:
         """Return the residual of the regression without priors and without the worst tenth of the rows."""
         A = np.column_stack([self.predicted, self.regressors])
         A = A / np.maximum(np.linalg.norm(A, axis=0), 1e-300)
-        keep = np.ones(len(A), dtype=bool)
+        squares, axes = np.linalg.eigh(A.T @ A)
+        firm = squares > 1e-14 * squares[-1]  # the others differ by rounding
+        Q = A @ (axes[:, firm] / np.sqrt(squares[firm]))  # orthonormal over all rows, nearly so over most
+        rows: slice | NDArray[np.bool_] = slice(None)
         for _ in range(3):
-            found = self.measured - A @ np.linalg.lstsq(A[keep], self.measured[keep], rcond=1e-9)[0]
-            keep = np.abs(found) <= np.quantile(np.abs(found), 0.9)
+            kept = Q[rows]
+            x = np.linalg.lstsq(kept.T @ kept, kept.T @ self.measured[rows], rcond=1e-15)[0]
+            found = self.measured - Q @ x
+            rows = np.abs(found) <= np.quantile(np.abs(found), 0.9)
         return np.asarray(found)
 
     def select(self, keep: NDArray[np.bool_]) -> Channel:
@@ -290,21 +304,22 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
         stated = float(simulated.effects(signal).noise(signal.noise_std or 0.0)[k])
         steps = np.diff(measured[keep, k])  # their scatter is an upper bound of the noise
         noise = min(stated, float(np.std(steps) / np.sqrt(2)) if len(steps) > 1 else 0.0)
+        rows = slice(None) if keep.all() else keep
         found.append(
             Channel(
                 name,
                 signal,
                 k,
                 np.flatnonzero(keep),
-                instants[keep],
-                measured[keep, k],
-                predicted[keep, k],
-                regressors[keep],
+                instants[rows],
+                measured[rows, k],
+                predicted[rows, k],
+                regressors[rows],
                 prior_std,
                 noise or 1e-6 * moving,
                 _model_error(simulated, signal, moving),
                 reach(simulated.arm) if signal.unit == "m" else 1.0,
-                _driven(simulated, instants[keep]),
+                _driven(simulated, instants[rows]),
             )
         )
     return found

@@ -10,7 +10,6 @@ as it stands. Exchanged axes of places are those of a mirror (`validation.mirror
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import reduce
 from itertools import permutations, product
 
 import numpy as np
@@ -35,11 +34,13 @@ def exchanged_axes(seen: Mapping[str, Sequence[Channel]]) -> Iterator[str]:
 
 def rows_of(axes: Sequence[Channel]) -> tuple[Floats, Floats]:
     """Return readings and predictions, (axes, n), of rows that hold all axes."""
-    rows = reduce(np.intersect1d, [channel.rows for channel in axes])
-    both = ([each.measured for each in axes], [each.predicted for each in axes])
+    held = np.zeros(len(axes[0].signal), dtype=np.intp)
+    for axis in axes:
+        held[axis.rows] += 1
+    kept = [held[axis.rows] == len(axes) for axis in axes]
     y, p = (
-        np.stack([values[np.isin(channel.rows, rows)] for channel, values in zip(axes, of, strict=True)])
-        for of in both
+        np.stack([values[rows] for values, rows in zip(of, kept, strict=True)])
+        for of in ([each.measured for each in axes], [each.predicted for each in axes])
     )
     return y, p
 
