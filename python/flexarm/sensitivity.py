@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm import _core
+from flexarm.arguments import TEXT, takes
 from flexarm.arm import Arm
 from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arm.effect import Effect
@@ -67,6 +68,7 @@ class Sensitivities:
             raise InvalidParameter(f"no derivatives of {name!r}; there are those of {', '.join(self.arrays)}")
         return self.arrays[name]
 
+    @takes(key=TEXT)
     def by(self, key: str) -> dict[str, Floats]:
         """Return derivatives of every array with respect to one parameter.
 

@@ -15,6 +15,7 @@ from flexarm import (
     Arm,
     Drive,
     InterfaceSet,
+    InvalidFile,
     InvalidParameter,
     JointDrive,
     Record,
@@ -188,11 +189,17 @@ def test_effects_and_steps_of_a_diagnosis_are_there_without_an_import(name: str,
 
 
 def test_a_wrong_argument_of_a_method_is_named(arm: Arm) -> None:
-    part, found = ring(0.1, 0.2, 0.1, size=0.1, around=8), static(arm)
+    part, found = ring(0.1, 0.2, 0.1, size=0.1, around=8), static(arm, sensitivities=["payloads.load.mass"])
+    slopes, free = found.sensitivities, linearise(arm, inputs=[("hinge", "acceleration")])
+    assert slopes is not None
     calls: list[tuple[str, Callable[[], Any]]] = [
         ("key", lambda: arm.sigma("nobody")),
         ("at", lambda: arm.without_effect("backlash", np.zeros(2))),  # type: ignore[arg-type]
         ("urdf", lambda: arm.view(urdf=3)),  # type: ignore[arg-type]
+        ("path", lambda: arm.to_toml("")),
+        ("key", lambda: slopes.by(np.zeros(0))),  # type: ignore[arg-type]
+        ("moves", lambda: flexarm.SelectionPolicy(moves=0)),  # type: ignore[arg-type]
+        ("frequency_hz", lambda: free.frequency_response(0.0)),
         ("scale", lambda: found.view(scale="x")),  # type: ignore[arg-type]
         ("ax", lambda: found.plot(ax={})),  # type: ignore[arg-type]
         ("tolerance", lambda: part.merged({})),  # type: ignore[arg-type]
@@ -207,3 +214,5 @@ def test_a_wrong_argument_of_a_method_is_named(arm: Arm) -> None:
     for name, call in calls:
         with pytest.raises(InvalidParameter, match=f"^{name}: "):
             call()
+    with pytest.raises(InvalidFile):
+        arm.view(urdf="a\0b")

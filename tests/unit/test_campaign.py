@@ -198,3 +198,12 @@ def test_several_drives_are_cases_of_their_own(tmp_path):
     assert np.isfinite(series[:16]).all()
     assert np.isfinite(series[16:, :6]).all()
     assert np.isnan(series[16:, 6:]).all()
+
+
+def test_no_more_workers_are_started_than_there_are_runs(simulated, tmp_path, monkeypatch):
+    def asked(scheduler, jobs, room):
+        raise RuntimeError(f"{jobs} workers")
+
+    monkeypatch.setattr(campaigns, "client_of", asked)
+    with pytest.raises(RuntimeError, match="16 workers"):
+        flexarm.campaign(simulated, tmp_path / "out", jobs=10**6)

@@ -202,7 +202,11 @@ def test_warnings_leave_the_exit_code_at_0(
         (["simulate", "MODEL", "--out", "run"], "command line: Missing option '--drive'"),
         (
             ["simulate", "MODEL", "--drive", "d.csv", "--out", "run", "--step", "0"],
-            "--step: must be positive, got 0 s",
+            "--step: must be positive and at most 1e+11 s, got 0 s",
+        ),
+        (
+            ["diagnose", "MODEL", "MODEL", "--out", "why", "--step", "1e300"],
+            "--step: must be positive and at most 1e+11 s, got 1e+300 s",
         ),
         (
             ["simulate", "MODEL", "--drive", "d.csv", "--out", "run", "--alpha", "0.1"],

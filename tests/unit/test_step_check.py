@@ -48,7 +48,7 @@ def test_compare_takes_a_step_and_warns(exact, tmp_path, capsys):
     assert run([*command, "0.01"]) == 0
     assert "half the time step of 10 ms" in " ".join(capsys.readouterr().out.split())
     assert run([*command, "0"]) == 2
-    assert "--step: must be positive, got 0 s" in capsys.readouterr().err
+    assert "--step: must be positive and at most 1e+11 s, got 0 s" in capsys.readouterr().err
 
 
 def test_a_diagnosis_takes_a_finer_step_where_it_must_and_writes_it(exact, tmp_path):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from flexarm.arguments import PATH, takes
+from flexarm.arguments import PATH, TEXT, takes
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.calibration.estimates import CalibratedFamily, CalibratedFrame, CalibratedParameter, ChiSquare
@@ -73,6 +73,7 @@ class Calibration(BeforeAfter, SavedAsDirectory):
     remarks: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
+    @takes(name=TEXT)
     def parameter(self, name: str) -> CalibratedParameter:
         """Return the estimate of a parameter.
 

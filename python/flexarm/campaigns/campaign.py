@@ -250,7 +250,8 @@ def _compute(
         elif scheduler is None and _here(jobs, each * len(pending)):
             compute_here(plan.job, plan.tasks(pending, task_size(each, plan.row_bytes, 1), 1), put)
         else:
-            with client_of(scheduler, jobs, store.room) as client:
+            wanted = min(jobs or os.cpu_count() or 1, len(pending))
+            with client_of(scheduler, wanted, store.room) as client:
                 if address := page_of(client):
                     say(f"Dask's page: {address}")
                 workers = max(1, sum(client.nthreads().values()))

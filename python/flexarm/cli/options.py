@@ -15,6 +15,7 @@ from flexarm.cli.run import INPUT_AT_FAULT
 from flexarm.errors import InvalidFile, InvalidParameter, Problem, printable
 from flexarm.json_values import plain
 from flexarm.reading import OUTSIDE
+from flexarm.tables.ranges import range_of
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -157,12 +158,15 @@ def _is_finite(text: str) -> bool:
 
 
 def refuse_step(step: float) -> None:
-    """Refuse a time step that is not positive and finite.
+    """Refuse a time step that is not positive, or longer than any run.
 
     Raise InvalidFile with the value of --step.
     """
-    if not 0 < step < math.inf:
-        raise InvalidFile("command line", "--step", f"must be positive, got {step:g} s")
+    most = range_of("s")[1]
+    if not 0 < step <= most:
+        raise InvalidFile(
+            "command line", "--step", f"must be positive and at most {most:g} s, got {step:g} s"
+        )
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from math import inf, log
 
+from flexarm.arguments import NAMES, require
 from flexarm.errors import InvalidParameter
 from flexarm.former_names import takes_former_names
 
@@ -148,6 +149,7 @@ class SelectionPolicy(FamilyPolicy):
             if field.name != "moves" and not (isinstance(value, kind) and 0 < value < inf):
                 allowed = "a positive whole number" if whole else "a positive, finite number"
                 raise InvalidParameter(f"must be {allowed}, got {value!r}", where=field.name)
+        require(NAMES, "moves", self.moves)
         for move in self.moves:
             if move not in MOVES:
                 raise InvalidParameter(f"must be of {', '.join(MOVES)}, got {move!r}", where="moves")

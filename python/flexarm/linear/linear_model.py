@@ -76,10 +76,20 @@ class LinearModel(Result):
 
     @takes(frequency_hz=NUMBERS)
     def frequency_response(self, frequency_hz: ArrayLike) -> Complex:
-        """Return C (i omega - A)^-1 B + D: shape (frequency, output, input)."""
+        """Return C (i omega - A)^-1 B + D: shape (frequency, output, input).
+
+        Raises
+        ------
+        InvalidParameter
+            If a frequency is that of an undamped pole, such as 0 with an acceleration as input.
+        """
         omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency_hz, dtype=float))
         one, B = np.eye(len(self.A)), self.B.astype(complex)
-        found = [self.C @ np.asarray(np.linalg.solve(1j * w * one - self.A, B)) + self.D for w in omega]
+        try:
+            found = [self.C @ np.asarray(np.linalg.solve(1j * w * one - self.A, B)) + self.D for w in omega]
+        except np.linalg.LinAlgError:
+            what = "holds the frequency of an undamped pole, at which no response is finite"
+            raise InvalidParameter(what, where="frequency_hz") from None
         return np.array(found, dtype=complex).reshape(
             len(omega), len(self.output_names), len(self.input_names)
         )
