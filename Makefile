@@ -47,13 +47,16 @@ build:
 module: build/release/build.ninja
 	@$(BIN)/cmake --build --preset release --target _core
 
-## C++ tests, Python tests and notebooks; a file's tests share what it makes, so they stay in one process
+## C++ tests, and the Python tests of which each takes a few seconds at most; make check runs the long ones.
+## A file's tests share what it makes, so they stay in one process.
+PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CMAKE_BUILD_PARALLEL_LEVEL) --dist loadfile
+
 test:
 	@$(MAKE) -j2 module setup
 	@$(MAKE) build/stamps/browser
 	@$(BIN)/cmake --build --preset release
 	@$(BIN)/ctest --preset release
-	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CMAKE_BUILD_PARALLEL_LEVEL) --dist loadfile
+	@$(PYTEST) -m "not slow"
 
 ## Malformed and damaged input, wrong calls, kills and random models by the thousand, for hours; the counts go into
 ## docs/reliability.md. JOBS workers, SCALE times the cases, another SEED; a run that was stopped goes on.
@@ -97,12 +100,13 @@ docs: module setup
 reproduce: build
 	@$(BIN)/flexarm reproduce --out results --force
 
-## Linters, types, layers, formats, stubs; C++ tests under sanitizers, with SuiteSparse and on Eigen alone. That
-## CMake does without SuiteSparse is seen from its configuration; make check-no-suitesparse builds all of it.
-check: build check-python check-cpp check-stubs check-asan build/no-suitesparse/build.ninja
+## Linters, types, layers, formats, stubs; C++ tests under sanitizers, with SuiteSparse and on Eigen alone; the long
+## Python tests. That CMake does without SuiteSparse is seen from its configuration; make check-no-suitesparse
+## builds all of it.
+check: build check-python check-cpp check-stubs check-asan build/no-suitesparse/build.ninja check-slow
 	@echo "make check: all passed"
 
-.PHONY: check-python check-cpp check-stubs
+.PHONY: check-python check-cpp check-stubs check-slow
 check-python: setup
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
@@ -116,6 +120,9 @@ check-cpp: setup
 
 check-stubs: build setup
 	$(BIN)/python scripts/stubs.py --check
+
+check-slow: build setup build/stamps/browser
+	@$(PYTEST) -m slow
 
 check-%: build/%/build.ninja setup
 	@$(BIN)/cmake --build --preset $*

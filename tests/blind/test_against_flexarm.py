@@ -171,6 +171,7 @@ def test_two_formulations_agree_on_the_tip(effect):
     assert furthest(of_rods(effect) - of_elements(effect)) < 5e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", KINKED)
 def test_they_agree_where_the_law_has_a_kink(effect):
     """Within 1e-5 m: after a kink the arm rings a little with what a step of 1 ms makes of it."""

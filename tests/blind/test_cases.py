@@ -40,6 +40,7 @@ def over_noise(arm: flexarm.Arm, record: flexarm.Record) -> dict[str, float]:
     return {name: gap.rms["total"] / gap.noise_rms for name, gap in signals.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "effect", "at"),
     [

@@ -26,6 +26,7 @@ def sets(report: dict) -> list[set[tuple[str, str]]]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "effect", "at"),
     [
@@ -47,6 +48,7 @@ def test_a_large_effect_in_rich_data_is_named_at_its_place(kind, effect, at):
     assert held_out["after_rms"] < held_out["noise_rms"] + 0.1 * held_out["before_rms"]
 
 
+@pytest.mark.slow
 def test_in_poor_data_the_truth_is_in_the_set():
     """The tip alone in slow sines, five times the noise: one effect, at most three names for it.
 
@@ -64,6 +66,7 @@ def test_nothing_is_named_where_nothing_is_hidden():
     assert (report["verdict"], report["effects"]) == ("adequate", [])
 
 
+@pytest.mark.slow
 def test_what_has_no_name_is_said_to_be_unexplained():
     """A tracker whose stand sways at 0.7 Hz."""
     assert (
@@ -71,6 +74,7 @@ def test_what_has_no_name_is_said_to_be_unexplained():
     )
 
 
+@pytest.mark.slow
 def test_two_effects_are_both_found():
     pair = {("coulomb_friction", "hinge"), ("payload_mass", "load")}
     case = make_case("hinged", ("coulomb_friction", "payload_mass"), ("hinge", "load"), 20.0, seed=25)

@@ -17,6 +17,8 @@ from flexarm.effects import CoulombFriction, JointCompliance
 from flexarm.measurement import ClockError, Registration
 from flexarm.record import Clock, Frame
 
+pytestmark = pytest.mark.slow
+
 ENCODER, TRACKER = np.radians(5e-4), 8e-5
 END = 20.0
 SLOW, FAST = ((14.0, 0.35), (9.0, 0.5)), ((6.0, 0.2), (4.1, 0.3))

@@ -57,6 +57,7 @@ def test_alignment_finds_what_was_true_of_the_tracker(nuisances):
     assert np.abs(turned - readings.values[good]).max() < 10 * LAB.tracker * abs(nuisances.turn) + 1e-9
 
 
+@pytest.mark.slow
 def test_a_hidden_gap_shows_and_its_effect_closes_it(nuisances):
     """Backlash of 6e-4 rad: ten times the noise without the effect, the noise with it."""
     hidden = lab_record(replace(RODS, hub=replace(HUB, gap=6e-4)), nuisances, torque=False)

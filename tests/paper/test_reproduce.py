@@ -14,6 +14,8 @@ from pytest import approx
 from flexarm import Arm, InvalidFile, Record, SuperElement, compare, static
 from flexarm.reproduction import reproduce
 
+pytestmark = pytest.mark.slow
+
 FIGURES = ("04", "06", "07", "08", "09", "10")
 Columns = dict[str, np.ndarray]
 

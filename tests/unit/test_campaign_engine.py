@@ -111,6 +111,7 @@ def test_a_scheduler_that_is_nowhere_is_told(tmp_path, monkeypatch):
         flexarm.campaign(study_in(tmp_path), tmp_path / "out", scheduler="tcp://127.0.0.1:9")
 
 
+@pytest.mark.slow
 def test_an_existing_scheduler_is_used_and_left_as_it_was(client, tmp_path):
     """By the command, which has no other client in its process."""
     study, address = study_in(tmp_path), client.scheduler.address
@@ -170,6 +171,7 @@ def went_on(study: Path, out: Path, tmp_path: Path) -> None:
     assert data.drop_vars("seconds").equals(whole.drop_vars("seconds"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="SIGKILL")
 def test_a_client_that_is_killed_loses_nothing_that_was_kept(tmp_path):
     study, out = study_in(tmp_path, LONG), tmp_path / "out"
@@ -179,6 +181,7 @@ def test_a_client_that_is_killed_loses_nothing_that_was_kept(tmp_path):
     went_on(study, out, tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="signals to a group of processes")
 def test_ctrl_c_leaves_a_state_that_goes_on(tmp_path):
     study, out = study_in(tmp_path, LONG), tmp_path / "out"

@@ -13,6 +13,8 @@ pytest.importorskip("myst_nb")
 pytest.importorskip("pydata_sphinx_theme")
 import flexarm
 
+pytestmark = pytest.mark.slow
+
 DOCS = Path(__file__).parents[2] / "docs"
 
 

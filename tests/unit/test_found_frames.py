@@ -71,6 +71,7 @@ def test_compare_tells_the_pose_of_an_unknown_frame(record):
     assert flexarm.compare(ARM, record, align=False).frames == {}
 
 
+@pytest.mark.slow
 def test_a_diagnosis_tells_it_too_and_keeps_it(record, tmp_path):
     found = flexarm.diagnose(ARM, {"run": record})
     assert "run: frame tracker found at xyz = [" in found.summary()

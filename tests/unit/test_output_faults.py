@@ -240,6 +240,7 @@ def test_ctrl_c_before_any_line_leaves_all_or_nothing(tmp_path: Path, force: boo
     assert line > 100
 
 
+@pytest.mark.slow
 def test_runs_killed_or_interrupted_at_random_leave_all_or_nothing(place: Path) -> None:
     """Seeded; what a killed run leaves hidden is gone after the next one."""
     chance = random.Random(26)

@@ -12,6 +12,8 @@ from pytest import approx
 import flexarm
 from flexarm.cli.run import run
 
+pytestmark = pytest.mark.slow
+
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(\w*)\n(.*?)```", README, re.DOTALL)
 PROGRAMS = [text for language, text in BLOCKS if language == "python"]

@@ -22,6 +22,7 @@ def test_a_renderer_that_fails_leaves_no_image(monkeypatch):
     assert rendered([SQUARE], 1.0, "viridis", (0.0, -90.0)) is None
 
 
+@pytest.mark.slow
 def test_a_square_seen_from_the_front_is_a_square_that_is_yellow_at_the_top():
     image = rendered([SQUARE], 1.0, "viridis", (0.0, -90.0))
     if image is None:

@@ -81,6 +81,7 @@ def test_two_stations_under_one_name_are_told_with_their_difference():
     assert "one pose for both leaves" in remark
 
 
+@pytest.mark.slow
 def test_a_diagnosis_says_it_beside_its_gaps():
     turned = Registration(origin=FAR.origin, rpy=(0.0, 0.034, 2.0))
     records = {"flat": swing(arm(*SOFT), FAR, 1), "pallet": swing(arm(*SOFT), turned, 2)}

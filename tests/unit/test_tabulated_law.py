@@ -130,6 +130,7 @@ def test_a_search_does_not_propose_tables():
     assert not TabulatedLaw.competes
 
 
+@pytest.mark.slow
 def test_a_model_with_the_right_table_explains_a_record_of_a_soft_hinge():
     """The rigid hinge stays behind by T over the stiffness of the hinge that was measured."""
     knots = (-900.0, -100.0, 100.0, 900.0)

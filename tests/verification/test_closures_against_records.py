@@ -13,6 +13,8 @@ from flexarm.diagnosis.noise_model import with_fine_step
 from flexarm.diagnosis.problem import Problem
 from flexarm.validation.sensor_check import check
 
+pytestmark = pytest.mark.slow
+
 KEYS = (
     "payloads.load.mass",
     "links.boom.material.youngs_modulus",

@@ -144,6 +144,7 @@ def test_a_spatial_slider_crank_starts_and_goes_on_as_published():
     assert (4 * found[1] - found[0]) / 3 == approx(3.36427617809219, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_a_spatial_slider_crank_moves_by_its_one_equation():
     """Over the five seconds of the benchmark, nine turns; of second order."""
     expected = mechanisms.SliderCrankEquation(ACROSS).run(np.linspace(0, 5, 51))

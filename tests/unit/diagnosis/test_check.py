@@ -169,6 +169,7 @@ HIDDEN = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", HIDDEN)
 def test_a_missing_effect_is_no_faulty_sensor(nominal, what):
     """Gaps of centimetres and torques that are twice as large are physics."""
@@ -332,6 +333,7 @@ def test_a_check_reads_as_a_table(nominal, faultless):
     assert re.search(r"; the same holds for tip [xz]\.$", told)
 
 
+@pytest.mark.slow
 def test_of_the_development_cases_only_the_faulty_one_is_unusable(shared_dir):
     """Eighteen cases with all kinds of effects: one holds a tip whose x counts the other way."""
     for number in range(1, 19):

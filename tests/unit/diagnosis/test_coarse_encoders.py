@@ -111,6 +111,7 @@ def test_counts_of_a_slow_drive_are_no_outliers():
     assert removed.rows == (len(false) // 2,)
 
 
+@pytest.mark.slow
 def test_a_diagnosis_that_names_steps_is_saved_with_them(tmp_path):
     """The repaired model smooths its drive by the steps, and that is a stage of its own in the report."""
     arm = run_of("one joint").simulation.arm

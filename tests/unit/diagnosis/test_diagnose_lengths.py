@@ -63,6 +63,7 @@ def records(seed, own=OWN):
     return found
 
 
+@pytest.mark.slow
 def test_an_error_by_length_is_not_taken_for_a_second_effect():
     """Twenty readings, but those of a length share what is left: five of that give no odds of 400 for a pair.
 

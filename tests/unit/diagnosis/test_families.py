@@ -26,6 +26,8 @@ from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.effects.joint_tilt_compliance import JointTiltCompliance
 
+pytestmark = pytest.mark.slow
+
 STIFFNESS = dict(zip(JOINTS, (2.0e4, 2.4e4, 4.3e4, 1.9e4, 3.4e4, 3.9e4, 2.1e4), strict=True))
 PRIOR = Prior(1e2, 1e6, 1e4, "log", "N m/rad", "test")
 

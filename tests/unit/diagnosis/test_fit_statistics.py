@@ -9,6 +9,8 @@ from flexarm.report.diagnosis import sketch
 from flexarm.report.diagnosis_page import page
 from flexarm.report.report_file import report_dict
 
+pytestmark = pytest.mark.slow
+
 RECORDS = {"slow": diagnoses.record(1, step=2e-3), "fast": diagnoses.record(2, 0.25, step=2e-3)}
 
 

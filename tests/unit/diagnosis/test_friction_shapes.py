@@ -13,6 +13,8 @@ from flexarm.diagnosis.candidate import Candidate
 from flexarm.effects.coulomb_friction import CoulombFriction
 from flexarm.effects.motor_friction import MotorFriction
 
+pytestmark = pytest.mark.slow
+
 WIDE = 5e-3
 HIDDEN = {
     "creeps": (saturating().cause, {"torque": 60.0, "creep_rate": 0.15}),

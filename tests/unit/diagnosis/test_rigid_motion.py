@@ -102,6 +102,7 @@ def test_without_flexibility_the_rigid_arm_moves_as_the_simulated_one():
     assert np.isnan(seen.joint_torque).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("factors", "name"),
     [

@@ -139,6 +139,7 @@ def with_outliers(record, seed):
     return changed(record, "tip", tip.values + 14 * tip.noise_std * out * rng.choice([-1.0, 1.0], out.shape))
 
 
+@pytest.mark.slow
 def test_a_diagnosis_names_what_it_would_without_them_and_shows_gaps_without_them():
     """Both records are told by their good readings: left is noise of three axes, to 2 % by 1200 rows."""
     one, other = with_outliers(diagnoses.record(1), 1), with_outliers(diagnoses.record(3, 0.2), 3)
