@@ -229,6 +229,13 @@ def without_idle_zeros(arm: Arm, stated: Arm) -> Arm:
     return arm.replace(effects=effects, uncertainty=kept) if idle else arm
 
 
+def of_model(refined: Iterable[Refined], arm: Arm) -> tuple[Refined, ...]:
+    """Return refined values but the zeros of sensors that a model is left without."""
+    return tuple(
+        r for r in refined if not is_zero(r.parameter) or arm.effect(*_place(r.parameter)) is not None
+    )
+
+
 def _sigma(record: Record, signal: Signal, policy: SelectionPolicy) -> float:
     """Return 1 sigma of the zero of a signal (2); 0 where it has none."""
     if signal.zero_std is not None:

@@ -48,6 +48,7 @@ from flexarm.diagnosis.screening import probe
 from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.sensors import (
     CoarseEncoder,
+    of_model,
     set_zeros,
     with_errors_of_drives,
     with_zeros,
@@ -208,6 +209,7 @@ def _diagnosis(
         updated, refined = set_zeros(updated, refined, arm)
     updated, refined = restore_unidentifiable(problem.arm, updated, refined, split_records.training_gaps)
     updated = without_idle_zeros(updated, arm)
+    refined = of_model(refined, updated)
     missing, members, sizes = MissingLaws(), choice.best.members, found.sizes
     early = ended_early(current().remarks)  # what nobody looked for may be in the vocabulary
     if laws and not early and found.verdict == "unexplained" and allows("the missing law was sought"):

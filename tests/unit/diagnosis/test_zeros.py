@@ -6,7 +6,7 @@ from arms import TUBE, beam, hinge, point, smooth_step
 
 import flexarm
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.sensors import set_zeros, with_zeros, without_idle_zeros
+from flexarm.diagnosis.sensors import of_model, set_zeros, with_zeros, without_idle_zeros
 from flexarm.named_effects import Refined
 
 ENCODER = {"quantity": "joint_angle", "joint": "hinge"}
@@ -121,3 +121,12 @@ def test_a_zero_beyond_what_the_record_states_is_an_effect(record):
     found = flexarm.diagnose(model(), stating(record, second=1e-4), jobs=1)
     assert [(effect.name, effect.at) for effect in found.effects] == [("sensor_offset", "second")]
     assert found.effects[0].parameters[0].value == pytest.approx(ZERO, abs=5e-6)
+
+
+def test_a_zero_that_the_model_is_left_without_is_no_refined_value():
+    """A stored diagnosis that told such a one could not be loaded: its model has no such effect."""
+    zero = Refined("effects.sensor_offset.second.offset", 1e-6, 1e-6, 0.0, "rad")
+    modulus = Refined("links.rod.material.youngs_modulus", 2.08e11, 1e9, 2.1e11, "Pa")
+    there = model({"name": "sensor_offset", "at": "second", "offset": 0.0})
+    assert of_model([zero, modulus], there) == (zero, modulus)
+    assert of_model([zero, modulus], without_idle_zeros(there, model())) == (modulus,)
