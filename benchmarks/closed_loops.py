@@ -1,9 +1,10 @@
 """Diagnoses of a crane: ten cases drawn from a seed, each with one hidden cause or none.
 
-    python benchmarks/closed_loops.py [--seed 2026]
+    python benchmarks/closed_loops.py [--seed 2026] [--examples]
 
 flexarm itself makes the records, in steps an eighth of those of the diagnosis; `tests/verification` has crane
-and records. Each line tells the cause, the verdict, and the names with probability and alternatives.
+and records. Each line tells the cause, the verdict, and the names with probability and alternatives. With
+`--examples` it diagnoses the examples with closed loops instead (`tests/helpers/loop_examples.py`).
 """
 
 from __future__ import annotations
@@ -39,8 +40,16 @@ def main() -> None:
     """Print a line a case."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seed", type=int, default=2026)
-    rng = np.random.default_rng(parser.parse_args().seed)
+    parser.add_argument("--examples", action="store_true")
+    chosen = parser.parse_args()
+    rng = np.random.default_rng(chosen.seed)
     sys.path += [str(ROOT / "tests" / folder) for folder in ("helpers", "verification")]
+    if chosen.examples:
+        from loop_examples import EXAMPLES_IN_MOTION
+
+        for name, example in EXAMPLES_IN_MOTION.items():
+            print(f"{name}: {example.hidden(example.arm)}\n{example.diagnosed()}\n", flush=True)
+        return
     import test_closures_against_records as crane
 
     for k in range(10):

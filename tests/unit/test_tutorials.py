@@ -56,6 +56,12 @@ def test_a_page_that_prints_something_else_fails():
         follow("```pycon\n>>> 1 + 1\n3\n\n```\n", "wrong.md")
 
 
+def test_the_parallelogram_of_the_page_is_the_example():
+    page = (DOCS / "tutorials" / "a_balanced_arm.md").read_text(encoding="utf-8")
+    example = (DOCS.parent / "examples" / "parallelogram.toml").read_text(encoding="utf-8")
+    assert f"```toml\n# file: parallelogram.toml\n{example}```\n" in page
+
+
 def test_the_cranes_of_the_page_are_the_examples():
     page = (DOCS / "tutorials" / "a_crane.md").read_text(encoding="utf-8")
     for name in ("crane.toml", "telescopic_crane.toml"):
