@@ -21,3 +21,12 @@ def drawn(of: Any, **options: Any) -> Axes:
     """Return the axes of a picture without a browser; see `flexarm.viewer.draw`."""
     axes: Axes = import_module("flexarm.viewer").draw(of, **options)
     return axes
+
+
+class Shown:
+    """Base of what a notebook shows as its summary, where that is more than `repr` tells."""
+
+    def _repr_html_(self) -> str:
+        from html import escape  # not before a notebook asks
+
+        return f"<pre>{escape(getattr(self, 'summary', self.__repr__)())}</pre>"

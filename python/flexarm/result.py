@@ -13,6 +13,7 @@ from flexarm.arguments import PATH, takes
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile
 from flexarm.netcdf import Contents, save
+from flexarm.pictures import Shown
 from flexarm.reading import check_hdf5, reading
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class OfArm:
         return tuple(joint.name for joint in self.arm.joints)
 
 
-class Result(OfArm, ABC):
+class Result(OfArm, Shown, ABC):
     """Base of statics, modes and runs: the arm, names, and a file."""
 
     @abstractmethod

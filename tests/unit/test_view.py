@@ -426,3 +426,17 @@ def test_a_mode_that_twists_is_named_and_turns_what_is_drawn():
         assert change[0] == pytest.approx(1.0, abs=0.01)
         assert abs(change[-1] - 1) > 0.2
     assert found.plot(mode=1).get_title().endswith("twist of shaft")
+
+
+def test_notebooks_show_summaries(tmp_path):
+    """Models, results and records, in letters of one width; `<` and `>` are no tags."""
+    arm = an_arm()
+    found = flexarm.static(arm)
+    record = flexarm.measure(
+        flexarm.simulate(arm, flexarm.Drive({}, end=0.1)),
+        [flexarm.Sensor(name="tip", quantity="position", point="tip", rate_hz=50)],
+        np.random.default_rng(1),
+    )
+    assert found._repr_html_().startswith("<pre>") and "mm" in found._repr_html_()
+    assert f"{len(arm.joints)} " in arm._repr_html_() and "joint " in arm._repr_html_()
+    assert "&lt;Signal &#x27;tip&#x27;: position at tip" in record._repr_html_()

@@ -27,7 +27,7 @@ from flexarm.arm.uncertainty import flat_keys, sigma_of, uncertainty_problems
 from flexarm.arm.urdf import with_urdf
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.output import place_of, write_file
-from flexarm.pictures import drawn, viewed
+from flexarm.pictures import Shown, drawn, viewed
 from flexarm.tables import (
     FrozenDict,
     Inconsistent,
@@ -59,7 +59,7 @@ def _last_of_each(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
     return tuple({(effect.name, effect.at): effect for effect in effects}.values())
 
 
-class Arm(Table):
+class Arm(Shown, Table):
     """A flexible arm, frozen: the tables of a model file, checked.
 
     Parameters

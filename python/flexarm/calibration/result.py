@@ -17,6 +17,7 @@ from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.comparison.before_after import BeforeAfter
 from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
+from flexarm.pictures import Shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Calibration(BeforeAfter, SavedAsDirectory):
+class Calibration(BeforeAfter, SavedAsDirectory, Shown):
     """The result of `calibrate`.
 
     Attributes

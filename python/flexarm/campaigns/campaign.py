@@ -26,6 +26,7 @@ from flexarm.campaigns.store import RESULTS, Store, refuse_gaps
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.output import growing_directory
+from flexarm.pictures import Shown
 from flexarm.reading import check_hdf5, reading
 from flexarm.report.campaign import page
 from flexarm.termination import told_on_exit
@@ -42,7 +43,7 @@ Tell = Callable[[float, str], object]
 
 
 @dataclass(frozen=True)
-class Campaign:
+class Campaign(Shown):
     """A campaign that is done.
 
     Attributes

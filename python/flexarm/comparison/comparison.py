@@ -15,6 +15,7 @@ from flexarm.comparison.align import Alignment
 from flexarm.comparison.gap import SignalGap
 from flexarm.errors import InvalidParameter
 from flexarm.json_values import plain
+from flexarm.pictures import Shown
 from flexarm.wording import number, scale
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
+class Comparison(Shown):
     """Hold the gap between a model and a record.
 
     Attributes

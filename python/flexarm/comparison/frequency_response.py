@@ -27,6 +27,7 @@ from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
 from flexarm.measurement.torque import gear_ratio
 from flexarm.modal import modes
+from flexarm.pictures import Shown
 from flexarm.quantities import channel_names
 from flexarm.record.compatibility import unplaced_effects
 
@@ -109,7 +110,7 @@ class ResponseGap:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ResponseComparison:
+class ResponseComparison(Shown):
     """Hold the gap between a model and a record of frequency responses."""
 
     arm: str

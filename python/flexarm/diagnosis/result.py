@@ -25,7 +25,7 @@ from flexarm.fit_statistics import FitStatistics
 from flexarm.law_curve import LawCurve
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
-from flexarm.pictures import viewed
+from flexarm.pictures import Shown, viewed
 from flexarm.report.sentences import contradicted_sentence
 from flexarm.wording import scale, signed
 
@@ -179,7 +179,7 @@ Verdict = Literal["effects", "adequate", "unexplained", "unusable"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Diagnosis(BeforeAfter, SavedAsDirectory):
+class Diagnosis(BeforeAfter, SavedAsDirectory, Shown):
     """The result of `diagnose`.
 
     Attributes

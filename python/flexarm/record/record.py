@@ -27,6 +27,7 @@ from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 from flexarm.output import output_directory, output_file
+from flexarm.pictures import Shown
 from flexarm.record.signal import Signal
 from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
 from flexarm.tables import FrozenDict
@@ -52,7 +53,7 @@ if TYPE_CHECKING:
     base=BASE,
 )
 @dataclass(frozen=True, kw_only=True)
-class Record:
+class Record(Shown):
     """Signals of one run, or of a set of static poses.
 
     Attributes
@@ -319,6 +320,10 @@ class Record:
         if self.path is None:
             return InvalidParameter(first.what, where=first.where, problems=tuple(problems))
         return InvalidFile(self.path / "record.toml", first.where, first.what, problems=tuple(problems))
+
+    def summary(self) -> str:
+        """Return the record in a line, and each of its signals in another."""
+        return "\n".join([repr(self), *(f"  {signal!r}" for signal in self.signals.values())])
 
     def __repr__(self) -> str:
         what = f"{len(self.poses)} poses" if self.kind == "static" else f"{self.duration:.6g} s"

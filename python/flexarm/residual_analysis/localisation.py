@@ -34,6 +34,7 @@ import numpy as np
 
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.errors import InvalidParameter
+from flexarm.pictures import Shown
 from flexarm.residual_analysis.joint_rotations import JointRotations, joint_rotations
 from flexarm.residual_analysis.motion_states import (
     CONSTANT,
@@ -193,7 +194,7 @@ def concentration(cell: Cell, whole: Cell) -> float:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Localisation:
+class Localisation(Shown):
     """Where the residual lies."""
 
     cells: tuple[Cell, ...]

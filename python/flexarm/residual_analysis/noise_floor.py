@@ -40,6 +40,7 @@ from flexarm.comparison.bands import band_split
 from flexarm.comparison.step_check import change, step_note
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.measurement.outliers import outliers
+from flexarm.pictures import Shown
 from flexarm.record import Signal
 from flexarm.residual_analysis.policy import POLICY
 from flexarm.wording import with_unit
@@ -187,7 +188,7 @@ class SignalFloor:
 
 
 @dataclass(frozen=True, repr=False)
-class NoiseFloor:
+class NoiseFloor(Shown):
     """Noise floor of every signal."""
 
     signals: tuple[SignalFloor, ...]

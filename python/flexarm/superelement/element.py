@@ -28,7 +28,7 @@ from flexarm.arguments import (
 )
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
-from flexarm.pictures import viewed
+from flexarm.pictures import Shown, viewed
 from flexarm.reading import reading
 from flexarm.superelement.rigid_motion import PER_INTERFACE, RigidInertia, inertia_load, rigid_inertia
 from flexarm.superelement.shape import VARIABLES, problems_of_shape
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     provenance=TABLES,
 )
 @dataclass(frozen=True, eq=False, repr=False)
-class SuperElement:
+class SuperElement(Shown):
     """A reduced part, in SI units and the part's frame.
 
     The freedoms are, for each interface, three translations and three rotations along and about the part's

@@ -31,6 +31,7 @@ import numpy as np
 from flexarm.arm.effect import Effect
 from flexarm.measurement.outliers import row_list
 from flexarm.named_effects import Alternative, Estimate, NamedEffect, place_text
+from flexarm.pictures import Shown
 from flexarm.quantities import channel_names
 from flexarm.record import Record
 from flexarm.validation.channel import Channel, effective_samples
@@ -156,7 +157,7 @@ class RemovedOutliers:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ValidationResult:
+class ValidationResult(Shown):
     """Hold the result of `check`."""
 
     records: Mapping[str, Record]

@@ -17,6 +17,7 @@ from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.settings import DESIGN
 from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
+from flexarm.pictures import Shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -132,7 +133,7 @@ class Tie:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Plan(SavedAsDirectory):
+class Plan(SavedAsDirectory, Shown):
     """The effects that an experiment could separate.
 
     Attributes
