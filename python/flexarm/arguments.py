@@ -28,6 +28,10 @@ class Kind:
     """Returns True for a value of this kind."""
 
 
+FORMER = {"jobs": "n_jobs"}
+"""Former names of arguments, which functions with the new one still take."""
+
+
 def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Check arguments by name before a function runs; a default is always allowed.
 
@@ -39,6 +43,9 @@ def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
         @wraps(function)
         def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+            for old in FORMER.keys() & kwargs.keys() - expected.parameters.keys():
+                if FORMER[old] in expected.parameters and FORMER[old] not in kwargs:
+                    kwargs[FORMER[old]] = kwargs.pop(old)
             for name, value in expected.bind(*args, **kwargs).arguments.items():
                 if name in kinds and value is not expected.parameters[name].default:
                     require(kinds[name], name, value)

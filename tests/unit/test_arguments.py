@@ -100,10 +100,10 @@ def test_a_wrong_argument_is_named_before_work(arm: Arm) -> None:
     element |= {name: np.eye(6) for name in ("stiffness", "mass", "damping")}
     calls: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         (compare, {"arm": arm, "record": record, "align": True, "bands": [1.0]}),
-        (diagnose, {"arm": arm, "records": [record], "hold_out": record, "jobs": 1, "seed": 0}),
-        (plan, {"arm": arm, "drives": [Drive({})], "jobs": 1, "clocks": {}}),
-        (simulate_all, {"runs": [], "jobs": 1}),
-        (campaign, {"study": "x", "out": "y", "resume": False, "scheduler": "z", "jobs": 1}),
+        (diagnose, {"arm": arm, "records": [record], "hold_out": record, "n_jobs": 1, "seed": 0}),
+        (plan, {"arm": arm, "drives": [Drive({})], "n_jobs": 1, "clocks": {}}),
+        (simulate_all, {"runs": [], "n_jobs": 1}),
+        (campaign, {"study": "x", "out": "y", "resume": False, "scheduler": "z", "n_jobs": 1}),
         (measure, {"simulation": run, "sensors": [], "rng": None, "drive": (), "clocks": {}}),
         (Drive.from_record, {"record": record, "arm": arm}),
         (Drive.from_samples, {"time": [0.0, 1.0], "values": {"hinge": [0.0, 1.0]}, "side": "motor"}),
@@ -134,7 +134,17 @@ def test_a_wrong_argument_is_named_before_work(arm: Arm) -> None:
 @pytest.mark.parametrize("jobs", [float("nan"), 0, -1, 10**60, "2", True])
 def test_a_number_of_jobs_is_a_whole_number_of_at_least_one(arm: Arm, jobs: Any) -> None:
     with pytest.raises(InvalidParameter, match="jobs: must be a whole number of at least 1"):
-        simulate_all([(arm, Drive({}))], jobs=jobs)
+        simulate_all([(arm, Drive({}))], n_jobs=jobs)
+
+
+def test_the_number_of_jobs_is_taken_by_its_former_name(arm: Arm) -> None:
+    runs = [(arm, Drive({}, end=0.01))]
+    [one], [other] = simulate_all(runs, n_jobs=1), simulate_all(runs, jobs=1)  # type: ignore[call-arg]
+    assert np.array_equal(one.position, other.position)
+    with pytest.raises(InvalidParameter, match="n_jobs: must be a whole number"):
+        simulate_all(runs, jobs=0)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="jobs"):
+        simulate_all(runs, jobs=1, n_jobs=1)  # type: ignore[call-arg]
 
 
 def test_the_name_of_an_arm_can_be_printed() -> None:

@@ -52,7 +52,7 @@ Progress = Callable[[float, str], object] | None
     records=RECORDS,
     families=NAMES,
     hold_out=RECORD,
-    jobs=JOBS,
+    n_jobs=JOBS,
     step=NUMBER,
     alpha=NUMBER,
     max_seconds=SECONDS,
@@ -63,7 +63,7 @@ def calibrate(
     families: Sequence[str] = (),
     hold_out: Record | None = None,
     *,
-    jobs: int | None = None,
+    n_jobs: int | None = None,
     step: float = 2e-3,
     alpha: float = -0.05,
     policy: CalibrationPolicy | None = None,
@@ -82,7 +82,7 @@ def calibrate(
         Effects, each at all places where it can act, such as "joint_compliance".
     hold_out : Record, optional
         Never used for fitting. Without one, blocks of time, or poses, are held back.
-    jobs : int, optional
+    n_jobs : int, optional
         Number of simulations at once; default one a core.
     step, alpha : float
         Of all simulations [s], [-].
@@ -107,7 +107,7 @@ def calibrate(
     >>> found.save("calibrated")  # doctest: +SKIP
     """
     with limited(max_seconds):
-        return _calibration(arm, records, families, hold_out, jobs, step, alpha, policy, progress)
+        return _calibration(arm, records, families, hold_out, n_jobs, step, alpha, policy, progress)
 
 
 def _calibration(

@@ -100,7 +100,7 @@ class Campaign(Shown):
         return "\n".join(lines)
 
 
-@takes(study=PATH, out=PATH, resume=FLAG, force=FLAG, scheduler=TEXT, jobs=JOBS)
+@takes(study=PATH, out=PATH, resume=FLAG, force=FLAG, scheduler=TEXT, n_jobs=JOBS)
 def campaign(
     study: str | Path,
     out: str | Path,
@@ -108,7 +108,7 @@ def campaign(
     resume: bool = False,
     force: bool = False,
     scheduler: str | None = None,
-    jobs: int | None = None,
+    n_jobs: int | None = None,
     progress: Tell | None = None,
     notice: Callable[[str], object] | None = None,
 ) -> Campaign:
@@ -127,7 +127,7 @@ def campaign(
         Begin anew in a directory that holds files; those of a former campaign are removed.
     scheduler : str, optional
         Address of a Dask scheduler; default: a cluster of this machine's cores, for this campaign only.
-    jobs : int, optional
+    n_jobs : int, optional
         Number of worker processes of that cluster; default one a core. One: runs are made in this process,
         and Dask is not needed.
     progress : callable, optional
@@ -148,8 +148,8 @@ def campaign(
     >>> found = flexarm.campaign("tolerances.toml", "tolerances")  # doctest: +SKIP
     >>> found.dataset["tip_position_max"]  # doctest: +SKIP
     """
-    if scheduler is not None and jobs is not None:
-        raise InvalidParameter("is of the local cluster; a scheduler has its own workers", where="jobs")
+    if scheduler is not None and n_jobs is not None:
+        raise InvalidParameter("is of the local cluster; a scheduler has its own workers", where="n_jobs")
     plan, folder = planned(Path(study)), Path(out)
     say = notice or (lambda text: None)
     for remark in plan.remarks:
@@ -164,7 +164,7 @@ def campaign(
         store = Store(folder, partial_)
         session = _begun(plan, store, resume, force, say)
         if not store.results.is_file():
-            _compute(plan, store, session, scheduler, jobs, progress or (lambda done, what: None), say)
+            _compute(plan, store, session, scheduler, n_jobs, progress or (lambda done, what: None), say)
         return _finished(plan, store, session)
 
 

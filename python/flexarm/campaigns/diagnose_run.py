@@ -49,7 +49,7 @@ class DiagnoseRun(Runner):
             arm,
             {f"{k} {path.name}": Record.load(path) for k, path in enumerate(files)},
             hold_out=None if held is None else Record.load(held),
-            jobs=1,
+            n_jobs=1,
             seed=self.seed,
             step=self.step,
             alpha=self.alpha,

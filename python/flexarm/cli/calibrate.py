@@ -79,7 +79,7 @@ def calibrate(
             training,
             family or [],
             held_out,
-            jobs=jobs,
+            n_jobs=jobs,
             step=step,
             max_seconds=max_seconds,
             progress=tell,

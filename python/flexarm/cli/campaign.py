@@ -56,7 +56,7 @@ def campaign(
                 resume=resume,
                 force=force,
                 scheduler=scheduler,
-                jobs=jobs,
+                n_jobs=jobs,
                 progress=tell,
                 notice=lambda text: print(printable(text), file=sys.stderr),
             )

@@ -65,7 +65,7 @@ def diagnose(
             arm,
             training,
             hold_out=held_out,
-            jobs=jobs,
+            n_jobs=jobs,
             seed=seed,
             step=step,
             max_seconds=max_seconds,

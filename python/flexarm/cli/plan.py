@@ -80,7 +80,7 @@ def plan(
 def _planned(model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: int | None) -> Plan:
     """Return the plan, which tells how far it is."""
     with progress() as tell, blame(model):
-        found: Plan = flexarm.plan(arm, motions, jobs=jobs, progress=tell)
+        found: Plan = flexarm.plan(arm, motions, n_jobs=jobs, progress=tell)
     return found
 
 

@@ -80,7 +80,7 @@ Progress = Callable[[float, str], object] | None
     arm=ARM,
     records=RECORDS,
     hold_out=RECORD,
-    jobs=JOBS,
+    n_jobs=JOBS,
     seed=COUNT,
     step=NUMBER,
     alpha=NUMBER,
@@ -93,7 +93,7 @@ def diagnose(
     records: Mapping[str, Record] | Sequence[Record],
     hold_out: Record | None = None,
     *,
-    jobs: int | None = None,
+    n_jobs: int | None = None,
     seed: int = 0,
     step: float = 2e-3,
     alpha: float = -0.05,
@@ -113,7 +113,7 @@ def diagnose(
     hold_out : Record, optional
         Never used for fitting or choosing: the check of the repair, without its outliers. Without one, blocks
         of time are held back.
-    jobs : int, optional
+    n_jobs : int, optional
         Number of simulations at once; default one a core.
     seed : int
         Of the bootstrap; same seed, same answer.
@@ -145,7 +145,7 @@ def diagnose(
     >>> found.save("diagnosis")  # doctest: +SKIP
     """
     with limited(max_seconds), one_blas_thread():
-        return _diagnosis(arm, records, hold_out, jobs, seed, step, alpha, policy, laws, progress)
+        return _diagnosis(arm, records, hold_out, n_jobs, seed, step, alpha, policy, laws, progress)
 
 
 def _diagnosis(

@@ -25,11 +25,11 @@ from flexarm.simulation.simulation import Simulation
 from flexarm.threads import thread_pool
 
 
-@takes(runs=ITEMS, jobs=JOBS)
+@takes(runs=ITEMS, n_jobs=JOBS)
 def simulate_all(
     runs: Iterable[tuple[Arm, Drive | Record]],
     *,
-    jobs: int | None = None,
+    n_jobs: int | None = None,
     progress: Progress = None,
     stop: Callable[[], bool] | None = None,
     **options: Any,
@@ -44,7 +44,7 @@ def simulate_all(
     ----------
     runs : iterable of (Arm, Drive or Record)
         What to run.
-    jobs : int, optional
+    n_jobs : int, optional
         Number of threads; default one a core.
     progress : bool or callable, optional
         As in `simulate`, for the whole. What a callable returns False for is the rest of the runs.
@@ -65,7 +65,7 @@ def simulate_all(
         Also in a process that `progress` forked, which has none of the threads.
     """
     wanted = [_pair(run, k) for k, run in enumerate(runs)]
-    threads = jobs if jobs is not None else (os.cpu_count() or 1)
+    threads = n_jobs if n_jobs is not None else (os.cpu_count() or 1)
     found: list[Simulation] = []
     stopped, process = Event(), os.getpid()
     ends = stop or (lambda: False)

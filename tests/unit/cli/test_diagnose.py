@@ -58,7 +58,7 @@ def test_records_seed_and_jobs_reach_the_library(bench, tmp_path, calls):
     assert list(records) == ["slow", "fast"]
     assert all(isinstance(record, flexarm.Record) for record in records.values())
     assert isinstance(options["hold_out"], flexarm.Record)
-    assert (options["jobs"], options["seed"]) == (2, 7)
+    assert (options["n_jobs"], options["seed"]) == (2, 7)
 
 
 def test_without_a_hold_out_there_is_none(bench, tmp_path, calls):

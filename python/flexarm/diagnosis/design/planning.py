@@ -102,14 +102,14 @@ def _parameter(candidate: Candidate, size: Effect) -> str:
 Progress = Callable[[float, str], object] | None
 
 
-@takes(arm=ARM, drives=DRIVES, clocks=CLOCKS, frames=FRAMES, jobs=JOBS, step=NUMBER, alpha=NUMBER)
+@takes(arm=ARM, drives=DRIVES, clocks=CLOCKS, frames=FRAMES, n_jobs=JOBS, step=NUMBER, alpha=NUMBER)
 def plan(
     arm: Arm,
     drives: Mapping[str, Drive | Record] | Sequence[Drive | Record],
     *,
     clocks: Mapping[str, Clock] | None = None,
     frames: Mapping[str, Frame] | None = None,
-    jobs: int | None = None,
+    n_jobs: int | None = None,
     step: float = 4e-3,
     alpha: float = -0.05,
     progress: Progress = None,
@@ -124,7 +124,7 @@ def plan(
         The motions. A record is made again: its signals, rates, noise, clocks, frames and payloads.
     clocks, frames : dict, optional
         How well clocks and frames of the model's sensors are known, as a record would state it.
-    jobs : int, optional
+    n_jobs : int, optional
         Number of simulations at once; default one a core.
     step, alpha : float
         Of all simulations [s], [-].
@@ -160,7 +160,7 @@ def plan(
         raise InvalidParameter("needs at least one motion", where="drives")
     tell(0.02, "simulating")
     additions = menu(arm, runs, runs[0].run(arm, step, alpha))
-    lab = VirtualExperiments(arm, additions, step, alpha, jobs or os.cpu_count() or 1)
+    lab = VirtualExperiments(arm, additions, step, alpha, n_jobs or os.cpu_count() or 1)
     responses, rows = lab.base(runs, lambda done: tell(0.05 + 0.5 * done, "probing effects"))
     base = responses.only(rows.all())
     shown = shown_by(base)
