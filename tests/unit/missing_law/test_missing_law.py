@@ -94,6 +94,7 @@ def test_a_torque_and_its_windup_explain_alike_and_are_both_shown():
     assert np.abs(rest).max() < 0.05 * np.ptp(torque.value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "of"), [("softer", "torque"), ("dragging", "rate")])
 def test_a_change_is_told_within_a_knot_and_closes_the_held_out_gap(name, of):
     """The record that is held out changes at the same instant of its own clock, as those that are fitted."""
@@ -121,6 +122,7 @@ def test_the_loss_of_stiffness_is_told():
     assert part == pytest.approx(10, abs=3)
 
 
+@pytest.mark.slow
 def test_a_law_with_memory_has_a_branch_for_each_sense_of_motion():
     """The branches meet over a turn, the hidden ones over a rate: a quarter of their distance is missed."""
     laws = found("cable")
@@ -137,6 +139,7 @@ def test_a_law_with_memory_has_a_branch_for_each_sense_of_motion():
     assert (rising - falling) / 2 == pytest.approx(30 + 60 * 0.5, rel=0.35)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "kind"),
     [("presliding", "none"), ("warming", "time"), ("gusts", "none")],
@@ -173,6 +176,7 @@ def test_a_drive_and_a_spline_add_up():
     assert both(at) == pytest.approx(drive(at) + basis.at(at) @ coefficients, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_diagnosis_writes_the_law_into_its_model_as_compare_reads_it(tmp_path):
     about = Study.of(CAUSES["rubbing"].cause, 5, noise_alone=True)
     told = flexarm.diagnose(nominal(), about.records, about.other, step=4e-3, jobs=2)

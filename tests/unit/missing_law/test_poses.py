@@ -111,6 +111,7 @@ def found_of(law: Callable[..., Floats], other: Callable[..., Floats]) -> Missin
     return missing_laws(estimator, [estimator.fit(())], check)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of", list(LAWS))
 def test_a_law_of_poses_is_the_hidden_one_and_closes_the_held_out_gap(of):
     laws = found(of)
@@ -133,6 +134,7 @@ def test_poses_without_a_hidden_law_have_none_and_say_so():
     assert found("nothing").why.startswith("no missing law was found: no motion of a joint")
 
 
+@pytest.mark.slow
 def test_a_law_with_which_the_held_out_gap_grows_is_none():
     """The records that are held out have the opposite windup."""
     laws = found_of(LAWS["angle"], lambda torque, angle: -LAWS["angle"](torque, angle))
