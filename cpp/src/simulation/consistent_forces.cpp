@@ -64,6 +64,12 @@ void ConsistentForcesIn<D>::factor(const assembly::StateIn<D>& state) {
   }
   const VectorXd no_laws = system_.no_law_tangents();
   changes_.keep(state, {1, 0, 0, scale_}, no_laws, kept_.by_substitution());
+  if (kept_.inverse() == nullptr) return;
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(system_.n_unknowns(), system_.n_constraints());
+  columns.bottomRows(columns.cols()).diagonal().setConstant(-scale_);
+  kept_.by_substitution().solve(columns);
+  by_constraints_ = solvers::PackedMatrix(columns);
+  padded_.resize(by_constraints_.filled_rows());
 }
 
 /// x := A₀⁻¹ x with the joints that turned since. @param again in this state
@@ -124,18 +130,33 @@ void ConsistentForcesIn<D>::solve(const assembly::StateIn<D>& state, VectorXd& x
   substitute(state, x);
 }
 
+/// change_ := the right side of (2), with r where it is more than rounding.
+template <int D>
+void ConsistentForcesIn<D>::find_sides(const assembly::StateIn<D>& state, const assembly::LoadsIn<D>* loads) {
+  change_.setZero();
+  change_.tail(c_.size()) = -scale_ * c_;
+  if (loads == nullptr || changes_.follows_constraints()) return;
+  system_.evaluate(state, *loads, r_, phi_);
+  change_.head(system_.n_free()) = -r_.head(system_.n_free());
+}
+
 template <int D>
 const assembly::StateIn<D>& ConsistentForcesIn<D>::of(const assembly::StateIn<D>& state,
                                                       const assembly::LoadsIn<D>* loads) {
   system_.constraint_acceleration(state, c_);
-  change_.setZero();
-  if (c_.isZero(0)) return state;  // at rest
-  if (loads != nullptr && !changes_.follows_constraints()) {
-    system_.evaluate(state, *loads, r_, phi_);
-    change_.head(system_.n_free()) = -r_.head(system_.n_free());
+  if (c_.isZero(0)) {
+    change_.setZero();
+    return state;  // at rest
   }
-  change_.tail(c_.size()) = -scale_ * c_;
-  solve(state, change_);  // eq. (2)
+  if (!factored_) factor(state);
+  if (changes_.follows_constraints() && by_constraints_.cols() > 0) {
+    by_constraints_.multiply(c_.data(), padded_.data());
+    change_ = padded_.head(change_.size());
+    changes_.correct(state, change_);
+  } else {
+    find_sides(state, loads);
+    solve(state, change_);  // eq. (2)
+  }
   consistent_ = state;
   consistent_.v_dot.head(system_.n_free()) += change_.head(system_.n_free());
   consistent_.multipliers += scale_ * change_.tail(c_.size());

@@ -37,6 +37,7 @@
 #include "flexarm/assembly/iteration_matrix.hpp"
 #include "flexarm/simulation/variation.hpp"
 #include "flexarm/solvers/kept_factor.hpp"
+#include "flexarm/solvers/packed_matrix.hpp"
 #include "flexarm/solvers/tangent_changes.hpp"
 
 namespace flexarm::simulation {
@@ -67,6 +68,7 @@ class ConsistentForcesIn {
 
  private:
   void find_masses(const assembly::StateIn<D>& state);
+  void find_sides(const assembly::StateIn<D>& state, const assembly::LoadsIn<D>* loads);
   void factor(const assembly::StateIn<D>& state);
   void substitute(const assembly::StateIn<D>& state, VectorXd& x, bool again = false);
   bool refine(const assembly::StateIn<D>& state, const VectorXd& b, VectorXd& x);
@@ -82,6 +84,8 @@ class ConsistentForcesIn {
   solvers::TangentChangesIn<D> changes_;
   bool factored_ = false;
   solvers::KeptFactor kept_;
+  solvers::PackedMatrix by_constraints_;  // −s A₀⁻¹ [0; I], where A₀ is small
+  VectorXd padded_;
   VectorXd c_, change_, r_, phi_, multipliers_;
   assembly::StateIn<D> consistent_, still_;
 };
