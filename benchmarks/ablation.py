@@ -99,7 +99,7 @@ def diagnosed(spec: Spec, changes: dict, cases: Path, kept: Path) -> None:
     policy = Recorded(**{key: tuple(v) if isinstance(v, list) else v for key, v in changes.items()})
     records = {"train_a": case.train_a, "train_b": case.train_b}
     start = time.process_time()
-    found = flexarm.diagnose(case.model, records, hold_out=case.held_out, jobs=1, policy=policy)
+    found = flexarm.diagnose(case.model, records, hold_out=case.held_out, n_jobs=1, policy=policy)
     outcome = Outcome(case.answer.to_dict(), found.to_json_dict())
     answer = {
         "verdict": found.verdict,

@@ -55,7 +55,7 @@ def diagnosed(spec: Spec, out: Path, reuse: bool) -> Outcome:
     start, cpu = time.perf_counter(), time.process_time()
     try:
         records = {"train_a": case.train_a, "train_b": case.train_b}
-        found = flexarm.diagnose(case.model, records, hold_out=case.held_out, jobs=1)
+        found = flexarm.diagnose(case.model, records, hold_out=case.held_out, n_jobs=1)
         spent = {"seconds": time.perf_counter() - start, "cpu": time.process_time() - cpu}
         rms = {"before": tip_rms(case.model, case.held_out), "after": tip_rms(found.updated, case.held_out)}
         outcome = Outcome(answer, found.to_json_dict(), **spent, **rms)

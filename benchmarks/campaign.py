@@ -129,7 +129,7 @@ def swing(count: int, workers: int) -> None:
             most.append(sum(each.memory_info().rss for each in family) / 2**20)
 
         began = time.perf_counter()
-        done = flexarm.campaign(room / "study.toml", room / "out", jobs=workers, progress=look)
+        done = flexarm.campaign(room / "study.toml", room / "out", n_jobs=workers, progress=look)
         spent = time.perf_counter() - began
         runs, computing = done.record["runs"], done.record["run_seconds"]
     print(

@@ -82,7 +82,7 @@ def measure_threads(steps, candidates=16, rounds=4):
     for _ in range(rounds):
         for jobs, taken in seconds.items():
             began = time.perf_counter()
-            flexarm.simulate_all(runs, jobs=jobs, step=end / steps, end=end)
+            flexarm.simulate_all(runs, n_jobs=jobs, step=end / steps, end=end)
             taken.append(time.perf_counter() - began)
     return {"one": min(seconds[1][1:]), "two": min(seconds[2][1:])}
 

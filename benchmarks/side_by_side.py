@@ -61,7 +61,7 @@ def measure(name, arm, drive, repetitions, **options):
         began = time.process_time()
         alone = [flexarm.simulate(arm, drive, **options) for arm in arms]
         middle = time.process_time()
-        together = flexarm.simulate_all([(arm, drive) for arm in arms], jobs=1, **options)
+        together = flexarm.simulate_all([(arm, drive) for arm in arms], n_jobs=1, **options)
         seen["together"].append(time.process_time() - middle)
         seen["alone"].append(middle - began)
     apart = max(np.abs(a.position - b.position).max() for a, b in zip(alone, together, strict=True))

@@ -120,7 +120,7 @@ def diagnosed(
     began = time.process_time()
     with progress() as tell:
         found: Diagnosis = flexarm.diagnose(
-            Arm.from_toml(model), records, hold_out=Record.load(held_out), jobs=jobs, progress=tell
+            Arm.from_toml(model), records, hold_out=Record.load(held_out), n_jobs=jobs, progress=tell
         )
     found.save(page)
     print(f"{found}\n\n{page.name}/report.html: {time.process_time() - began:.0f} s of CPU\n")

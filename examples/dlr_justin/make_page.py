@@ -56,7 +56,7 @@ def calibrated(
             {"training": Record.load(records / "training")},
             families,
             Record.load(records / "held_out"),
-            jobs=jobs,
+            n_jobs=jobs,
             progress=tell,
         )
 

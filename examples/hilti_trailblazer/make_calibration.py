@@ -48,7 +48,7 @@ def make_calibration(data: Path, out: Path, every: int, jobs: int | None, force:
         flat, pallet = (Record.load(records / floor) for floor in make_records.FILES)
         with progress() as tell:
             found = flexarm.calibrate(
-                arm, {"flat": flat}, ["joint_compliance"], pallet, jobs=jobs, progress=tell
+                arm, {"flat": flat}, ["joint_compliance"], pallet, n_jobs=jobs, progress=tell
             )
         found.save(page)
         print(f"{found}\n\n{felt(records, page)}")

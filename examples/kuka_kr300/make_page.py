@@ -32,7 +32,7 @@ def calibrated(records: Path, page: Path, jobs: int | None) -> None:
             {"a": Record.load(records / "a")},
             ["joint_compliance"],
             Record.load(records / "b"),
-            jobs=jobs,
+            n_jobs=jobs,
             progress=tell,
         )
     found.save(page)

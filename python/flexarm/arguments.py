@@ -10,6 +10,7 @@ from importlib import import_module
 from inspect import signature
 from reprlib import repr as shortened
 from typing import Any, ParamSpec, TypeVar
+from warnings import warn
 
 from flexarm.errors import InvalidParameter
 
@@ -29,7 +30,7 @@ class Kind:
 
 
 FORMER = {"jobs": "n_jobs"}
-"""Former names of arguments, which functions with the new one still take."""
+"""Former names of arguments, which functions with the new one take for one release, with a warning."""
 
 
 def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
@@ -45,6 +46,8 @@ def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
         def checked(*args: P.args, **kwargs: P.kwargs) -> R:
             for old in FORMER.keys() & kwargs.keys() - expected.parameters.keys():
                 if FORMER[old] in expected.parameters and FORMER[old] not in kwargs:
+                    said = f"{function.__name__}: {old} is now {FORMER[old]}"
+                    warn(said, DeprecationWarning, stacklevel=2)
                     kwargs[FORMER[old]] = kwargs.pop(old)
             for name, value in expected.bind(*args, **kwargs).arguments.items():
                 if name in kinds and value is not expected.parameters[name].default:
@@ -234,4 +237,5 @@ NAMED = Kind("a dictionary by name", _by_name(_any))
 TABLES = Kind("a dictionary, as a TOML file gives it", lambda value: isinstance(value, Mapping))
 PATH = Kind("a path of a file", lambda value: isinstance(value, str | os.PathLike) and value != "")
 SOLID = Kind("a SolidMesh", _one_of("flexarm.solids", "SolidMesh"))
+LISTED = Kind("a text or a path of a file", lambda value: isinstance(value, str | os.PathLike))
 MESH = Kind("a SolidMesh or a path", _either(PATH.accepts, SOLID.accepts))

@@ -97,7 +97,7 @@ def test_springs_within_their_wide_tolerance_are_refined_and_nothing_is_missing(
     stated = {f"effects.joint_compliance.{joint}.stiffness": 0.3 for joint in ("shoulder", "elbow")}
     model = model.replace(uncertainty={**model.uncertainty, **stated})
     records = {"slow": record(machine(), SLOW, 1), "fast": record(machine(), FAST, 2)}
-    found = flexarm.diagnose(model, records, jobs=1)
+    found = flexarm.diagnose(model, records, n_jobs=1)
     assert (found.verdict, found.effects) == ("adequate", ())
     refined = {each.parameter: each for each in found.refined}
     for joint, true in (("shoulder", 6e5), ("elbow", 1.3e5)):
@@ -109,7 +109,7 @@ def test_springs_within_their_wide_tolerance_are_refined_and_nothing_is_missing(
 def test_two_springs_and_friction_are_found_in_one_record_of_a_model_that_has_neither():
     """A forearm of thirty times its mass explains as much as one, and a modulus 300 sigmas off more."""
     real = machine(CoulombFriction(at="shoulder", torque=250.0))
-    found = flexarm.diagnose(crane(), {"slow": record(real, SLOW, 3)}, jobs=1)
+    found = flexarm.diagnose(crane(), {"slow": record(real, SLOW, 3)}, n_jobs=1)
     named = {(effect.name, effect.at): effect for effect in found.effects}
     true = {
         ("joint_compliance", "shoulder"): 6e5,

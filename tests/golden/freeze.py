@@ -85,7 +85,7 @@ def shared_case(directory: Path) -> dict[str, Any]:
     train = {name: flexarm.Record.load(directory / name) for name in ("train_a", "train_b")}
     held_out = flexarm.Record.load(directory / "held_out")
     arm = flexarm.Arm.from_toml(directory / "model.toml")
-    return answer_of(flexarm.diagnose(arm, train, hold_out=held_out, jobs=1).to_json_dict())
+    return answer_of(flexarm.diagnose(arm, train, hold_out=held_out, n_jobs=1).to_json_dict())
 
 
 def blind_case(name: str, seed: int) -> dict[str, Any]:
@@ -94,7 +94,7 @@ def blind_case(name: str, seed: int) -> dict[str, Any]:
 
     case = planned_cases(seed)[name].made()
     train = {"train_a": case.train_a, "train_b": case.train_b}
-    return answer_of(flexarm.diagnose(case.model, train, hold_out=case.held_out, jobs=1).to_json_dict())
+    return answer_of(flexarm.diagnose(case.model, train, hold_out=case.held_out, n_jobs=1).to_json_dict())
 
 
 def planned_cases(seed: int) -> dict[str, Any]:

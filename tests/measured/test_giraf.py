@@ -179,7 +179,7 @@ def diagnosed_without_the_longest(folders, model):
     """As a user would: seven lengths, the longest held out."""
     records = {name: Record.load(folder) for name, folder in folders.items() if name.startswith("static")}
     held = records.pop("static_2013")
-    return flexarm.diagnose(Arm.from_toml(FOLDER / model), records, hold_out=held, jobs=1)
+    return flexarm.diagnose(Arm.from_toml(FOLDER / model), records, hold_out=held, n_jobs=1)
 
 
 def test_a_diagnosis_with_a_load_at_the_tip_names_the_joint(folders):

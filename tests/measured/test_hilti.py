@@ -156,7 +156,7 @@ def test_a_diagnosis_of_every_twelfth_pose_names_the_bending_column_and_leaves_a
     SCRIPT.make_records(shared_dir / "data/hilti_trailblazer", tmp_path / "records", every=12)
     arm = Arm.from_toml(tmp_path / "records/robot.toml")
     flat, pallet = (Record.load(tmp_path / "records" / name) for name in ("flat", "pallet"))
-    found = flexarm.diagnose(arm, {"flat": flat}, hold_out=pallet, jobs=1)
+    found = flexarm.diagnose(arm, {"flat": flat}, hold_out=pallet, n_jobs=1)
     assert found.verdict == "unexplained"
     assert all(effect.probability < SelectionPolicy.most_certain for effect in found.effects)
     first = max(found.effects, key=lambda effect: effect.probability)
@@ -182,7 +182,7 @@ def test_a_calibration_of_the_level_floor_holds_on_the_pallet(robot):
     )
     sigmas = load_script("hilti_trailblazer", "make_calibration").SIGMAS
     uncertain = arm.replace(uncertainty={**arm.uncertainty, **sigmas})
-    found = flexarm.calibrate(uncertain, {"flat": flat}, ["joint_compliance"], pallet, jobs=1)
+    found = flexarm.calibrate(uncertain, {"flat": flat}, ["joint_compliance"], pallet, n_jobs=1)
     assert found.gap(found.held_out).before_rms > 8e-3
     assert found.gap(found.held_out).after_rms < 4.4e-3
     for axis in ("roll", "pitch"):

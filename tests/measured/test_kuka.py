@@ -81,7 +81,7 @@ def test_by_hand_the_secondary_encoders_are_late_and_soft(shared_dir):
 
 def test_a_calibration_finds_the_delay_the_zeros_and_the_compliances(robot):
     arm, records = robot
-    found = flexarm.calibrate(arm, {"a": records["a"]}, ["joint_compliance"], records["b"], jobs=1)
+    found = flexarm.calibrate(arm, {"a": records["a"]}, ["joint_compliance"], records["b"], n_jobs=1)
     value = {each.name: each.value for each in found.parameters}
     assert value["effects.time_delay.secondary.delay"] == pytest.approx(3.0e-3, abs=1e-4)
     zeros = [value[f"effects.sensor_offset.axis_{k}_secondary.offset"] for k in (1, 2, 3)]

@@ -180,9 +180,9 @@ def _results(folder: Path, arm: str) -> None:
     flexarm.modes(model, {"hinge": 0.3}).save(folder / "modes.nc")
     flexarm.Stepper(model, {"hinge": "torque"}).start().save(folder / "state.npz")
     record = flexarm.Record.load(Path(arm).parent / "slow")
-    flexarm.diagnose(model, [record], jobs=1).save(folder / "diagnosis")
-    flexarm.calibrate(model, [record], jobs=1).save(folder / "fit")
-    flexarm.campaign(Path(arm).parent / "study.toml", folder / "study", jobs=1)
+    flexarm.diagnose(model, [record], n_jobs=1).save(folder / "diagnosis")
+    flexarm.calibrate(model, [record], n_jobs=1).save(folder / "fit")
+    flexarm.campaign(Path(arm).parent / "study.toml", folder / "study", n_jobs=1)
 
 
 def _meshes(folder: Path) -> None:

@@ -139,9 +139,14 @@ def test_a_number_of_jobs_is_a_whole_number_of_at_least_one(arm: Arm, jobs: Any)
 
 def test_the_number_of_jobs_is_taken_by_its_former_name(arm: Arm) -> None:
     runs = [(arm, Drive({}, end=0.01))]
-    [one], [other] = simulate_all(runs, n_jobs=1), simulate_all(runs, jobs=1)  # type: ignore[call-arg]
+    with pytest.warns(DeprecationWarning, match="simulate_all: jobs is now n_jobs"):
+        [other] = simulate_all(runs, jobs=1)  # type: ignore[call-arg]
+    [one] = simulate_all(runs, n_jobs=1)
     assert np.array_equal(one.position, other.position)
-    with pytest.raises(InvalidParameter, match="n_jobs: must be a whole number"):
+    with (
+        pytest.warns(DeprecationWarning),
+        pytest.raises(InvalidParameter, match="n_jobs: must be a whole number"),
+    ):
         simulate_all(runs, jobs=0)  # type: ignore[call-arg]
     with pytest.raises(TypeError, match="jobs"):
         simulate_all(runs, jobs=1, n_jobs=1)  # type: ignore[call-arg]

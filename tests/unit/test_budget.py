@@ -72,7 +72,7 @@ def test_a_diagnosis_concludes_from_what_it_has_fitted(tmp_path):
         def tell(done, what):
             seconds[0] = 10.0 * done  # the clock stands but for what is told
 
-        found = flexarm.diagnose(ARM, record, jobs=1, max_seconds=2.5, progress=tell)
+        found = flexarm.diagnose(ARM, record, n_jobs=1, max_seconds=2.5, progress=tell)
     assert found.verdict == "unexplained"
     assert found.effects == ()
     [said] = [remark for remark in found.remarks if remark.startswith("the budget of 2.5 s ended")]
@@ -99,8 +99,8 @@ def test_a_calibration_ends_with_the_estimates_that_it_has():
     soft = ARM.with_effect(read_effect({"name": "joint_compliance", "at": "hinge", "stiffness": 2e5}))
     run = flexarm.simulate(soft, drive, step=5e-3)
     record = flexarm.measure(run, ARM.sensors, np.random.default_rng(1), drive=["hinge"])
-    brief = flexarm.calibrate(ARM, record, ["joint_compliance"], jobs=1, step=5e-3, max_seconds=1e-9)
-    whole = flexarm.calibrate(ARM, record, ["joint_compliance"], jobs=1, step=5e-3)
+    brief = flexarm.calibrate(ARM, record, ["joint_compliance"], n_jobs=1, step=5e-3, max_seconds=1e-9)
+    whole = flexarm.calibrate(ARM, record, ["joint_compliance"], n_jobs=1, step=5e-3)
     assert "the budget of 1e-09 s ended before the estimates came to rest" in brief.remarks
     assert any("not at rest after 1 steps" in remark for remark in brief.remarks)
     assert not any("budget" in remark for remark in whole.remarks)

@@ -76,7 +76,7 @@ def record(seed: int, poses: int = 40, still: tuple[str, ...] = (), arm: Arm | N
 @pytest.fixture(scope="module")
 def found():
     return flexarm.calibrate(
-        robot(), {"poses": record(1)}, ["encoder_offset", "joint_compliance"], record(2, 15), jobs=1
+        robot(), {"poses": record(1)}, ["encoder_offset", "joint_compliance"], record(2, 15), n_jobs=1
     )
 
 
@@ -176,12 +176,12 @@ def test_a_zero_that_the_data_do_not_tell_from_none_is_not_in_the_updated_model(
 )
 def test_families_that_cannot_be_are_refused(families, said):
     with pytest.raises(InvalidParameter, match=said):
-        flexarm.calibrate(robot(), {"poses": record(1, 6)}, families, jobs=1)
+        flexarm.calibrate(robot(), {"poses": record(1, 6)}, families, n_jobs=1)
 
 
 def test_a_mistyped_family_is_refused_before_faults_of_the_records():
     with pytest.raises(InvalidParameter, match=r"unknown effect 'slack'; known are .*joint_compliance"):
-        flexarm.calibrate(robot(), {}, ["slack"], jobs=1)
+        flexarm.calibrate(robot(), {}, ["slack"], n_jobs=1)
 
 
 def test_nothing_uncertain_is_refused():
@@ -238,7 +238,7 @@ def swing_on_a_soft_hinge(seed: int, exact: bool = False) -> tuple[Arm, Record]:
 def test_a_motion_tells_stiffness_and_damping_of_a_joint_beside_an_uncertain_modulus():
     """A beam that swings on a soft hinge: both intervals hold the truth, and only noise is left."""
     arm, swing = swing_on_a_soft_hinge(1)
-    found = flexarm.calibrate(arm, {"swing": swing}, ["joint_compliance"], jobs=1)
+    found = flexarm.calibrate(arm, {"swing": swing}, ["joint_compliance"], n_jobs=1)
     for name, value in (("stiffness", 6e4), ("damping", 150.0)):
         estimate = found.parameter(f"effects.joint_compliance.hinge.{name}")
         assert estimate.low90 < value < estimate.high90
@@ -250,7 +250,7 @@ def test_a_motion_tells_stiffness_and_damping_of_a_joint_beside_an_uncertain_mod
 def test_estimates_follow_a_curved_valley_to_its_end():
     """Stiffness and modulus share a compliance: without noise both come out true, far within a sigma."""
     arm, swing = swing_on_a_soft_hinge(1, exact=True)
-    found = flexarm.calibrate(arm, {"swing": swing}, ["joint_compliance"], jobs=1)
+    found = flexarm.calibrate(arm, {"swing": swing}, ["joint_compliance"], n_jobs=1)
     for name, value in (("stiffness", 6e4), ("damping", 150.0)):
         estimate = found.parameter(f"effects.joint_compliance.hinge.{name}")
         assert abs(estimate.value - value) < 0.2 * estimate.std
@@ -293,7 +293,7 @@ def test_counts_of_the_drive_widen_intervals_beside_an_accelerometer(seed):
     nominal = true.with_effect(spring.replace(stiffness=6.18e4)).replace(
         uncertainty={f"{key}stiffness": 0.1, f"{key}damping": 0.3}
     )
-    found = flexarm.calibrate(nominal, {"swing": counted_swing(true, seed)}, jobs=1)
+    found = flexarm.calibrate(nominal, {"swing": counted_swing(true, seed)}, n_jobs=1)
     for name, value in (("stiffness", 6e4), ("damping", 120.0)):
         estimate = found.parameter(key + name)
         assert abs(estimate.value - value) < 3 * estimate.std
@@ -303,7 +303,7 @@ def test_counts_of_the_drive_widen_intervals_beside_an_accelerometer(seed):
 def test_a_rigid_joint_cannot_be_told_from_rigid():
     """Of six joints one is soft: data alone set a least stiffness of the others, below what they have."""
     soft = robot().with_effect(JointCompliance(at="j2", stiffness=STIFFNESS["j2"]))
-    found = flexarm.calibrate(robot(), {"poses": record(4, arm=soft)}, ["joint_compliance"], jobs=1)
+    found = flexarm.calibrate(robot(), {"poses": record(4, arm=soft)}, ["joint_compliance"], n_jobs=1)
     names = {name: found.parameter(f"effects.joint_compliance.{name}.stiffness") for name in JOINTS}
     assert names["j2"].low90 < STIFFNESS["j2"] < names["j2"].high90
     assert names["j2"].determined

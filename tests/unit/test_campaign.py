@@ -26,7 +26,7 @@ def entries(folder):
 
 
 def test_a_row_is_what_its_run_gives_alone(simulated, tmp_path):
-    data = flexarm.campaign(simulated, tmp_path / "out", jobs=1).dataset
+    data = flexarm.campaign(simulated, tmp_path / "out", n_jobs=1).dataset
     arm = flexarm.Arm.from_toml(tmp_path / "arm.toml")
     drive = flexarm.Drive.from_csv(tmp_path / "swing.csv", arm)
     nominal = flexarm.simulate(arm, drive, step=5e-3)
@@ -45,7 +45,7 @@ def test_a_row_is_what_its_run_gives_alone(simulated, tmp_path):
 
 
 def test_results_say_what_they_are(simulated, tmp_path):
-    data = flexarm.campaign(simulated, tmp_path / "out", jobs=1).dataset
+    data = flexarm.campaign(simulated, tmp_path / "out", n_jobs=1).dataset
     assert data.sizes == {"sample": 16, "time": 11, "axis": 3}
     assert set(data["status"].values) == {"ok"}
     assert {MASS, "effects.backlash.hinge.gap"} <= set(data["tip_position"].coords)
@@ -54,7 +54,7 @@ def test_results_say_what_they_are(simulated, tmp_path):
 
 
 def test_the_directory_holds_nothing_else_and_tells_what_ran(simulated, tmp_path):
-    done = flexarm.campaign(simulated, tmp_path / "out", jobs=1)
+    done = flexarm.campaign(simulated, tmp_path / "out", n_jobs=1)
     assert entries(tmp_path / "out") == sorted(done.files)
     record = json.loads((tmp_path / "out" / "study.json").read_text())
     assert record["state"] == "finished"
@@ -67,7 +67,7 @@ def test_the_directory_holds_nothing_else_and_tells_what_ran(simulated, tmp_path
 def test_a_variant_that_fails_is_a_row_with_its_reason(tmp_path):
     """Masses from -1 to 3 kg: those below zero are refused, the others are computed."""
     file = study_in(tmp_path, STATIC.replace("low = 1.0", "low = -1.0"))
-    done = flexarm.campaign(file, tmp_path / "out", jobs=1)
+    done = flexarm.campaign(file, tmp_path / "out", n_jobs=1)
     data = done.dataset
     negative = data[MASS].values < 0
     assert 0 < negative.sum() < 50
@@ -85,7 +85,7 @@ def test_modes_of_variants_are_kept_whole(tmp_path):
         .replace('"static"', '"modes"')
         .replace("joints", "count = 3\njoints")
     )
-    data = flexarm.campaign(study_in(tmp_path, text), tmp_path / "out", jobs=1).dataset
+    data = flexarm.campaign(study_in(tmp_path, text), tmp_path / "out", n_jobs=1).dataset
     heaviest = int(np.argmax(data[MASS].values))
     arm = with_value(flexarm.Arm.from_toml(tmp_path / "arm.toml"), MASS, float(data[MASS][heaviest]))
     alone = flexarm.modes(arm, joints={"hinge": 0.5}, count=3)
@@ -107,12 +107,12 @@ def stopped_after(parts: int, monkeypatch):
 
 
 def test_what_is_done_is_not_computed_again(simulated, tmp_path, monkeypatch):
-    whole = flexarm.campaign(simulated, tmp_path / "whole", jobs=1).dataset
+    whole = flexarm.campaign(simulated, tmp_path / "whole", n_jobs=1).dataset
     monkeypatch.setattr(campaigns, "task_size", lambda *of: 2)
     with monkeypatch.context() as patched:
         stopped_after(3, patched)
         with pytest.raises(KeyboardInterrupt):
-            flexarm.campaign(simulated, tmp_path / "out", jobs=1)
+            flexarm.campaign(simulated, tmp_path / "out", n_jobs=1)
     assert entries(tmp_path / "out") == ["results.parts", "study.json"]
     computed = []
     compute = campaigns.compute_here
@@ -123,7 +123,7 @@ def test_what_is_done_is_not_computed_again(simulated, tmp_path, monkeypatch):
             job, tasks, lambda rows: (computed.extend(r.sample for r in rows), put(rows))
         ),
     )
-    data = flexarm.campaign(simulated, tmp_path / "out", resume=True, jobs=1).dataset
+    data = flexarm.campaign(simulated, tmp_path / "out", resume=True, n_jobs=1).dataset
     assert computed == list(range(6, 16))  # tasks of two, three of which were kept
     assert data.drop_vars("seconds").equals(whole.drop_vars("seconds"))
 
@@ -157,7 +157,7 @@ def test_the_time_of_a_run_is_not_that_of_the_first_one():
 
 
 def test_another_study_does_not_go_on_with_this_one(simulated, tmp_path):
-    flexarm.campaign(simulated, tmp_path / "out", jobs=1)
+    flexarm.campaign(simulated, tmp_path / "out", n_jobs=1)
     simulated.write_text(SIMULATED.replace("n = 16", "n = 32"))
     with pytest.raises(
         InvalidFile, match=r"study.json: study.sampling: was .*\"n\": 16.*is .*\"n\": 32.* now; allowed"
@@ -170,12 +170,12 @@ def test_another_study_does_not_go_on_with_this_one(simulated, tmp_path):
 
 
 def test_a_directory_with_files_needs_resume_or_force(simulated, tmp_path):
-    flexarm.campaign(simulated, tmp_path / "out", jobs=1)
+    flexarm.campaign(simulated, tmp_path / "out", n_jobs=1)
     with pytest.raises(InvalidFile, match="holds a campaign already; allowed is --resume"):
         flexarm.campaign(simulated, tmp_path / "out")
     (tmp_path / "out" / "notes.txt").write_text("mine")
     before = (tmp_path / "out" / "results.nc").stat().st_mtime_ns
-    again = flexarm.campaign(simulated, tmp_path / "out", force=True, jobs=1)
+    again = flexarm.campaign(simulated, tmp_path / "out", force=True, n_jobs=1)
     assert (tmp_path / "out" / "results.nc").stat().st_mtime_ns > before
     assert entries(tmp_path / "out") == sorted([*again.files, "notes.txt"])
 
@@ -191,7 +191,7 @@ def test_several_drives_are_cases_of_their_own(tmp_path):
     file = study_in(tmp_path, SIMULATED.replace('"swing.csv"', '["swing.csv", "short.csv"]'))
     lines = (tmp_path / "swing.csv").read_text().splitlines()
     (tmp_path / "short.csv").write_text("\n".join([*lines[:7], ""]))
-    data = flexarm.campaign(file, tmp_path / "out", jobs=1).dataset
+    data = flexarm.campaign(file, tmp_path / "out", n_jobs=1).dataset
     assert data.sizes["sample"] == 32
     assert data["drive"].values.tolist() == ["swing.csv"] * 16 + ["short.csv"] * 16
     series = data["tip_position"].values
@@ -206,4 +206,4 @@ def test_no_more_workers_are_started_than_there_are_runs(simulated, tmp_path, mo
 
     monkeypatch.setattr(campaigns, "client_of", asked)
     with pytest.raises(RuntimeError, match="16 workers"):
-        flexarm.campaign(simulated, tmp_path / "out", jobs=10**6)
+        flexarm.campaign(simulated, tmp_path / "out", n_jobs=10**6)

@@ -121,7 +121,7 @@ def test_an_existing_scheduler_is_used_and_left_as_it_was(client, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("16 runs, 16 ok, 0 failed")
     data = flexarm.Campaign.load(tmp_path / "out").dataset
-    alone = flexarm.campaign(study, tmp_path / "alone", jobs=1).dataset
+    alone = flexarm.campaign(study, tmp_path / "alone", n_jobs=1).dataset
     assert data.drop_vars("seconds").equals(alone.drop_vars("seconds"))
     left = client.run(lambda: len(sys.modules["flexarm.campaigns.engine"]._jobs))
     assert set(left.values()) == {0}
@@ -164,10 +164,10 @@ def went_on(study: Path, out: Path, tmp_path: Path) -> None:
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(Store, "put", counted)
         patched.setattr(Store, "clear", lambda self: None)
-        data = flexarm.campaign(study, out, resume=True, jobs=1).dataset
+        data = flexarm.campaign(study, out, resume=True, n_jobs=1).dataset
     assert Counter(computed) == Counter(set(range(128)) - kept)
     assert {each: each.stat().st_mtime_ns for each in parts} == parts
-    whole = flexarm.campaign(study, tmp_path / "whole", jobs=1).dataset
+    whole = flexarm.campaign(study, tmp_path / "whole", n_jobs=1).dataset
     assert data.drop_vars("seconds").equals(whole.drop_vars("seconds"))
 
 
@@ -204,8 +204,8 @@ def test_flexarm_and_its_campaigns_load_without_dask():
 def test_without_dask_one_job_still_works(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     study = study_in(tmp_path)
-    assert flexarm.campaign(study, tmp_path / "one", jobs=1).record["runs"]["ok"] == 16
+    assert flexarm.campaign(study, tmp_path / "one", n_jobs=1).record["runs"]["ok"] == 16
     with pytest.raises(InvalidParameter, match=r'needs Dask: pip install "flexarm\[campaign\]"'):
-        flexarm.campaign(study, tmp_path / "two", jobs=2)
+        flexarm.campaign(study, tmp_path / "two", n_jobs=2)
     with pytest.raises(InvalidFile, match="holds a campaign already"):
-        flexarm.campaign(study, tmp_path / "one", jobs=2)
+        flexarm.campaign(study, tmp_path / "one", n_jobs=2)

@@ -115,7 +115,7 @@ def test_estimates_that_are_missing_are_left_out_of_a_trend():
 
 
 def findings(folder, text):
-    done = flexarm.campaign(study_in(folder, text), folder / "out", jobs=1)
+    done = flexarm.campaign(study_in(folder, text), folder / "out", n_jobs=1)
     keys = [each["key"] for each in done.record["parameters"]]
     with done.dataset as data:
         return done, findings_of(data.load(), keys, [], done.record["study"]["sampling"]["seed"]), data
@@ -203,7 +203,7 @@ def test_the_page_of_a_fleet_tells_which_effect_grows(tmp_path, monkeypatch):
         return {"verdict": "effects", "effects.backlash.hinge.probability": (0.9, "-"), **found, **refined}
 
     monkeypatch.setattr(DiagnoseRun, "outcome", outcome)
-    done = flexarm.campaign(study_in(tmp_path, FLEET), tmp_path / "out", jobs=1)
+    done = flexarm.campaign(study_in(tmp_path, FLEET), tmp_path / "out", n_jobs=1)
     data = done.dataset
     assert data["machine"].values.tolist() == [f"m{k}" for k in range(4) for _ in dates]
     assert data["effects.backlash.hinge.gap"].attrs["units"] == "rad"

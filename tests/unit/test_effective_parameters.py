@@ -84,7 +84,7 @@ def test_a_comparison_notes_it(count, said, tmp_path, capsys):
 def test_a_diagnosis_says_that_poses_held_back_are_aligned_to_themselves():
     """Two of ten are held back, six readings for five values; eight are fitted, 24 for six."""
     record = seen(10, Frame(unknown=True))
-    found = flexarm.diagnose(arm(), {"yard": record}, jobs=1)
+    found = flexarm.diagnose(arm(), {"yard": record}, n_jobs=1)
     said = [remark for remark in found.remarks if "are few" in remark]
     assert [
         remark.startswith("yard, held-back blocks: 6 readings of tip are few for the 5 values")

@@ -120,7 +120,7 @@ def test_a_process_forked_by_progress_is_told_that_it_has_no_threads(tmp_path):
         if not children:
             children.append(os.fork())
     try:
-        runs = flexarm.simulate_all([(arm, drive)] * 4, jobs=1, progress=progress)
+        runs = flexarm.simulate_all([(arm, drive)] * 4, n_jobs=1, progress=progress)
     except flexarm.InvalidParameter as error:
         assert children == [0] and "no threads" in str(error)
         os._exit(7)
@@ -140,7 +140,7 @@ def test_ctrl_c_ends_all_runs_at_once(tmp_path):
     signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Timer(1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     try:
-        flexarm.simulate_all([(arm, drive)] * 3, jobs=2)
+        flexarm.simulate_all([(arm, drive)] * 3, n_jobs=2)
     except KeyboardInterrupt:
         print("interrupted")
     """

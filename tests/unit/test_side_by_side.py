@@ -374,5 +374,5 @@ def test_simulate_all_takes_what_fits_and_what_does_not() -> None:
     arms = [mast(rng), mast(rng, BACKLASH), mast(rng), seen_within(mast(rng)), leaning(rng)]
     slower = flexarm.Drive.from_samples(2 * TIME, {"hinge": 0.9 * np.sin(2.5 * TIME) ** 2})
     pairs = [(arm, drive) for arm in arms for drive in (DRIVE, slower)]
-    for (arm, drive), run in zip(pairs, flexarm.simulate_all(pairs, jobs=1), strict=True):
+    for (arm, drive), run in zip(pairs, flexarm.simulate_all(pairs, n_jobs=1), strict=True):
         assert_same(run, flexarm.simulate(arm, drive))

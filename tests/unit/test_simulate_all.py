@@ -22,7 +22,7 @@ MASSES = [1.0, 2.0, 4.0, 8.0]
 
 
 def test_runs_side_by_side_are_the_runs_alone_in_their_order() -> None:
-    together = flexarm.simulate_all([(arm_with(m), DRIVE) for m in MASSES], jobs=2, step=1e-3)
+    together = flexarm.simulate_all([(arm_with(m), DRIVE) for m in MASSES], n_jobs=2, step=1e-3)
     for mass, run in zip(MASSES, together, strict=True):
         alone = flexarm.simulate(arm_with(mass), DRIVE, step=1e-3)
         assert run.position == pytest.approx(alone.position, abs=1e-12)
@@ -37,7 +37,7 @@ def test_options_reach_every_run() -> None:
 def test_a_run_that_fails_is_raised() -> None:
     stray = flexarm.Drive.from_samples([0.0, 1.0], {"elbow": [0.0, 0.1]})
     with pytest.raises(flexarm.InvalidParameter, match="elbow"):
-        flexarm.simulate_all([(arm_with(1.0), DRIVE), (arm_with(1.0), stray)], jobs=2)
+        flexarm.simulate_all([(arm_with(1.0), DRIVE), (arm_with(1.0), stray)], n_jobs=2)
 
 
 def test_progress_tells_the_share_and_can_stop() -> None:
@@ -47,14 +47,14 @@ def test_progress_tells_the_share_and_can_stop() -> None:
         seen.append(done)
         return len(seen) < 2
 
-    runs = flexarm.simulate_all([(arm_with(m), DRIVE) for m in MASSES], jobs=1, progress=report)
+    runs = flexarm.simulate_all([(arm_with(m), DRIVE) for m in MASSES], n_jobs=1, progress=report)
     assert seen == [0.25, 0.5]
     assert len(runs) == 2
 
 
 def test_no_threads_are_refused() -> None:
     with pytest.raises(flexarm.InvalidParameter, match="at least 1"):
-        flexarm.simulate_all([], jobs=0)
+        flexarm.simulate_all([], n_jobs=0)
 
 
 def test_a_run_that_is_no_pair_is_named() -> None:

@@ -135,5 +135,5 @@ def test_a_model_with_the_right_table_explains_a_record_of_a_soft_hinge():
     """The rigid hinge stays behind by T over the stiffness of the hinge that was measured."""
     knots = (-900.0, -100.0, 100.0, 900.0)
     law = LAW.replace(x=knots, value=tuple(-torque / STIFFNESS for torque in knots))
-    found = diagnose(nominal().with_effect(law), [record(1)], jobs=1, step=1e-2)
+    found = diagnose(nominal().with_effect(law), [record(1)], n_jobs=1, step=1e-2)
     assert found.verdict == "adequate" and not found.effects

@@ -473,8 +473,9 @@ def test_what_flexarm_simulate_writes_is_compared_with_its_own_model():
         FrameRegistration(at="base", translation=(0.1, 0, 0)),
     )
     model = FLEXIBLE.replace(effects=(*FLEXIBLE.effects, *effects))
-    run = simulate(model, smooth_swing(8.0))
-    record = sensed(run, model, ["hinge"], 0)
+    swing = smooth_swing(8.0)
+    run = simulate(model, swing)
+    record = sensed(run, model, swing, 0)
     assert record.signals["hinge"].time[0] == pytest.approx(0.07)
     assert record.signals["tip"].time[0] == pytest.approx(0.02)
     gap = compare(model, record, align=False).signals["tip"]
@@ -541,12 +542,13 @@ def test_a_controller_follows_its_imperfect_encoder():
     effects = (EncoderScale(at="encoder", scale=1.02), EncoderOffset(at="encoder", offset=0.03))
     t = np.arange(0, 8, 0.002)
     command = 0.2 + 0.5 * smooth_step((t - 1) / 2)
-    run = simulate(controlled(*effects), Drive.from_samples(t, {"hinge": command}, side="command"))
+    commanded = Drive.from_samples(t, {"hinge": command}, side="command")
+    run = simulate(controlled(*effects), commanded)
     true = run.drive_angle[:, 0]
     early = run.time < 0.99
     np.testing.assert_allclose(true[early], (0.2 - 0.03) / 1.02, atol=1e-9)
     assert true[-1] == pytest.approx((0.7 - 0.03) / 1.02, abs=1e-5)
-    record = sensed(run, run.arm, ["hinge"], 0)
+    record = sensed(run, run.arm, commanded, 0)
     assert record.signals["encoder"].values[-1, 0] == pytest.approx(0.7, abs=1e-5)
 
 

@@ -16,7 +16,7 @@ is then aligned away. `compare(..., align=False)` shows the gap without that.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,7 +142,7 @@ class _WeightedResiduals:
         parameters: list[AlignmentParameter],
         gross: Mapping[str, NDArray[np.bool_]],
     ) -> None:
-        self.simulated = replace(simulated, motions={})  # frames move, mostly at the same instants
+        self.simulated = simulated
         self.start, self.parameters = start, parameters
         places = {each.place for each in parameters}
         self.signals = [

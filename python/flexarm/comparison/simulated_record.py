@@ -60,8 +60,8 @@ class SimulatedRecord:
     """Why the others are not compared."""
     arm: Any
     """The model whose effects on sensors, clocks and frames count."""
-    motions: dict[tuple[str, str], tuple[Floats, Floats]] = field(
-        default_factory=dict, compare=False, repr=False
+    _motions: dict[tuple[str, str], tuple[Floats, Floats]] = field(
+        init=False, default_factory=dict, compare=False, repr=False
     )
     """Last instants of each signal and its readings in the base there: mostly frames and clocks stay."""
     _effects: dict[tuple[str, str, str], SensorEffects] = field(
@@ -116,11 +116,11 @@ class SimulatedRecord:
     def _motion(self, what: Signal, instants: Floats) -> Floats:
         """Return readings in the base, those of the last call where the instants are the same."""
         key = (what.name, what.quantity)
-        last = self.motions.get(key)
+        last = self._motions.get(key)
         if last is not None and np.array_equal(last[0], instants):
             return last[1]
         found = in_base(self.simulation, what, instants)
-        self.motions[key] = instants, found
+        self._motions[key] = instants, found
         return found
 
     def residual(self, signal: Signal, placement: Placement, hold: bool = False) -> Floats:

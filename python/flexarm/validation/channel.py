@@ -108,7 +108,7 @@ def predicted_at(
 ) -> Floats:
     """Return the prediction of a signal whose clock is late by `shift` [s] more."""
     instants = np.minimum(simulated.instants(signal, placement) - shift, simulated.simulation.time[-1])
-    seen = simulated if shift == 0.0 else replace(simulated, motions={})
+    seen = simulated if shift == 0.0 else replace(simulated)
     return seen.reading(signal, instants, placement)
 
 
@@ -160,7 +160,7 @@ def _axes(
         return {}
     whole = signal.replace(axes=("x", "y", "z"), channels=(), values=np.zeros((len(signal), 3)))
     bare = simulated.arm.replace(effects=(), uncertainty={})  # axes that were not measured have none
-    clean = replace(simulated, arm=bare, motions={})
+    clean = replace(simulated, arm=bare)
     return dict(zip("xyz", np.nan_to_num(predicted_at(clean, whole, placement)).T, strict=True))
 
 

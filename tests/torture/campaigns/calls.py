@@ -83,7 +83,7 @@ def right(seeds: Path) -> tuple[Call, ...]:
     found, fit = flexarm.Diagnosis.load(seeds / "diagnosis"), flexarm.Calibration.load(seeds / "fit")
     statics, shapes = flexarm.Statics.load(seeds / "statics.nc"), flexarm.Modes.load(seeds / "modes.nc")
     compared = flexarm.compare(arm, record)
-    planned = flexarm.plan(arm, [drive], jobs=1)
+    planned = flexarm.plan(arm, [drive], n_jobs=1)
     steel = mesh.materials or next(iter(arm.links)).material
     slopes = flexarm.static(arm, {"hinge": 0.1}, sensitivities=["payloads.load.mass"]).sensitivities
     matrices = {"grids": seeds / "grids.bdf", "order": "11 7 23", "unit": "mm", "interfaces": {"foot": 11}}

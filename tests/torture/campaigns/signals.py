@@ -47,6 +47,7 @@ def whole(name: str) -> None:
         "plan": lambda: json.loads(Path("plan/plan.json").read_text()),
         "campaign": lambda: flexarm.Campaign.load("study").dataset.close(),
         "import": lambda: flexarm.Record.load("record"),
+        "example": lambda: flexarm.Arm.load("tryout/arm.toml"),
         "export": lambda: ElementTree.parse("new.urdf"),
         "view": lambda: must(
             Path("arm.html").read_text().rstrip().endswith("</html>"), "wrong result", "no end"

@@ -50,7 +50,7 @@ def test_a_late_tracker_is_aligned_in_a_held_out_record_that_states_no_noise():
     held_out = diagnoses.record(3, 0.2)
     silent = without_noise(held_out, "tip")
     found = [
-        flexarm.diagnose(diagnoses.nominal(), {"one": diagnoses.record(1)}, each, jobs=1, step=0.004)
+        flexarm.diagnose(diagnoses.nominal(), {"one": diagnoses.record(1)}, each, n_jobs=1, step=0.004)
         for each in (silent, held_out)
     ]
     gaps = [each.to_json_dict()["gap"]["held_out"] for each in found]
@@ -62,6 +62,6 @@ def test_a_late_tracker_is_aligned_in_a_held_out_record_that_states_no_noise():
 def test_poses_held_out_without_noise_stand_beside_that_of_the_training():
     soft = two_joints().with_effect(JointCompliance(at="elbow", stiffness=1e5))
     silent = without_noise(posed(soft, poses(2, 10, 3), 3), "tip")
-    found = flexarm.diagnose(two_joints(), {"yard": posed(soft, poses(2, 12, 1), 1)}, silent, jobs=1)
+    found = flexarm.diagnose(two_joints(), {"yard": posed(soft, poses(2, 12, 1), 1)}, silent, n_jobs=1)
     assert found.to_json_dict()["gap"]["held_out"]["noise_rms"] == pytest.approx(NOISE * 2**0.5)
     assert "held_out states no noise of tip: 50 µm count, as the training states it" in found.remarks

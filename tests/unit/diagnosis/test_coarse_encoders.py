@@ -115,7 +115,7 @@ def test_counts_of_a_slow_drive_are_no_outliers():
 def test_a_diagnosis_that_names_steps_is_saved_with_them(tmp_path):
     """The repaired model smooths its drive by the steps, and that is a stage of its own in the report."""
     arm = run_of("one joint").simulation.arm
-    found = flexarm.diagnose(arm, {"a": read(STEP, seed=2), "b": read(STEP, seed=3)}, jobs=1)
+    found = flexarm.diagnose(arm, {"a": read(STEP, seed=2), "b": read(STEP, seed=3)}, n_jobs=1)
     assert (found.verdict, [e.name for e in found.effects]) == ("effects", ["encoder_quantisation"])
     found.save(tmp_path / "out")
     effect = flexarm.Arm.from_toml(tmp_path / "out" / "updated.toml").effect(

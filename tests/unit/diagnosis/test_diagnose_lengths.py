@@ -71,7 +71,7 @@ def test_an_error_by_length_is_not_taken_for_a_second_effect():
     """
     given = records(seed=3)
     last = given.pop("1.8 m")
-    found = flexarm.diagnose(boom(), given, hold_out=last, jobs=1)
+    found = flexarm.diagnose(boom(), given, hold_out=last, n_jobs=1)
     assert found.verdict == "unexplained"
     (tilt,) = found.effects
     assert (tilt.name, tilt.at) == ("base_tilt", "base")

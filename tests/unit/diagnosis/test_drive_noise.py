@@ -193,5 +193,5 @@ def test_few_poses_scatter_by_chance_and_that_is_no_gap():
 def test_a_calibration_says_what_noise_of_the_drives_does(arm):
     there = problem(arm, 1e-4)
     uncertain = arm.replace(uncertainty={"payloads.load.mass": 0.05})
-    found = flexarm.calibrate(uncertain, there.records, jobs=1, step=4e-3)
+    found = flexarm.calibrate(uncertain, there.records, n_jobs=1, step=4e-3)
     assert any(said.startswith("noise of hinge, as stated, moves tip by ") for said in found.remarks)

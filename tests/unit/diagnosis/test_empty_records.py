@@ -55,7 +55,7 @@ def without_axes(record: Record, *lost: int) -> Record:
 
 
 def test_a_record_without_a_value_is_left_out_and_told():
-    found = flexarm.diagnose(crane(), {"one": poses(8), "none": without_axes(poses(8), 0, 1)}, jobs=1)
+    found = flexarm.diagnose(crane(), {"one": poses(8), "none": without_axes(poses(8), 0, 1)}, n_jobs=1)
     assert [(effect.name, effect.at) for effect in found.effects] == [("joint_compliance", "hinge")]
     assert (found.training, found.held_out) == (("one",), ("one, held-back blocks",))
     assert any(
@@ -67,14 +67,14 @@ def test_a_record_without_a_value_is_left_out_and_told():
 
 def test_if_no_record_holds_a_value_that_is_an_error():
     with pytest.raises(InvalidParameter, match="records: hold nothing to compare with a simulation"):
-        flexarm.diagnose(crane(), {"none": without_axes(poses(8), 0, 1)}, jobs=1)
+        flexarm.diagnose(crane(), {"none": without_axes(poses(8), 0, 1)}, n_jobs=1)
     with pytest.raises(InvalidParameter, match="other day: signals: holds nothing to compare"):
         clean_records(crane(), {"other day": without_axes(poses(8), 0, 1)})
 
 
 def test_of_four_poses_none_is_held_back():
     """The fifth would be: the repair is then told by its gap in the training."""
-    found = flexarm.diagnose(crane(), {"few": poses(4)}, jobs=1)
+    found = flexarm.diagnose(crane(), {"few": poses(4)}, n_jobs=1)
     assert [(effect.name, effect.at) for effect in found.effects] == [("joint_compliance", "hinge")]
     assert (found.training, found.held_out) == (("few",), ())
     assert "few is too short to hold a part of it back" in found.remarks
@@ -113,7 +113,7 @@ def test_a_signal_that_no_model_predicts_is_told_once_by_a_diagnosis_and_its_rep
     )
     measured = poses(8)
     measured = measured.replace(signals={**measured.signals, "volts": volts})
-    found = flexarm.diagnose(crane(), {"one": measured}, jobs=1)
+    found = flexarm.diagnose(crane(), {"one": measured}, n_jobs=1)
     for told in (found.remarks, found.to_json_dict()["details"]["remarks"]):
         assert [remark for remark in told if "volts" in remark] == [
             "one: volts is not compared: (motor_voltage) needs motor voltage, which this simulation does not "
@@ -123,7 +123,7 @@ def test_a_signal_that_no_model_predicts_is_told_once_by_a_diagnosis_and_its_rep
 
 def test_what_is_doubted_in_a_model_is_told_by_its_diagnosis():
     """A tip that may be 30 m off: 1 sigma in mm was meant."""
-    found = flexarm.diagnose(crane(uncertainty={"points.tip.position_m": 30.0}), {"one": poses(8)}, jobs=1)
+    found = flexarm.diagnose(crane(uncertainty={"points.tip.position_m": 30.0}), {"one": poses(8)}, n_jobs=1)
     [told] = [remark for remark in found.remarks if remark.startswith("model: ")]
     assert "uncertainty.points.tip.position_m: is 30 m (1 sigma), further than the arm reaches" in told
 

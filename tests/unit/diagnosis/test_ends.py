@@ -70,7 +70,7 @@ def test_a_gripper_may_carry_nothing():
     """Eight kilograms were written down, and poses show no load."""
     empty = two_joints().with_effect(PayloadMass(at="load", mass=1e-6))
     record = posed(empty, poses(2, 16, 1), 1)
-    d = flexarm.diagnose(two_joints(), {"yard": record}, posed(empty, poses(2, 10, 2), 2), jobs=1)
+    d = flexarm.diagnose(two_joints(), {"yard": record}, posed(empty, poses(2, 10, 2), 2), n_jobs=1)
     [load] = d.effects
     assert (d.verdict, load.name, load.at) == ("effects", "payload_mass", "load")
     assert load.parameters[0].value < 0.3

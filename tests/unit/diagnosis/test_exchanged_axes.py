@@ -103,7 +103,7 @@ def test_a_frame_of_the_other_hand_and_a_turned_encoder_are_the_same_where_nothi
         changed(record, "tip", tip[:, [1, 0, 2]], ["gyro"]),
         changed(record, "turn", -turn, ["gyro"]),
     ):
-        found = flexarm.diagnose(arm, {"run": wrong}, step=4e-3, jobs=1)
+        found = flexarm.diagnose(arm, {"run": wrong}, step=4e-3, n_jobs=1)
         [effect] = found.effects
         assert found.verdict == "unusable"
         assert (effect.name, effect.at, round(effect.probability, 1)) == ("sign_error", "tip", 0.5)

@@ -39,7 +39,7 @@ def springs(*joints: str) -> list[JointCompliance]:
 def diagnosed(effects, count: int, seed: int = 1, **options):
     records = {"poses": poses_of(effects, seed, count=count)}
     held = poses_of(effects, seed + 100, 15, count)
-    return flexarm.diagnose(soft_arm(count), records, held, jobs=1, laws=False, **options)
+    return flexarm.diagnose(soft_arm(count), records, held, n_jobs=1, laws=False, **options)
 
 
 # ----------------------------------------------------------------------------------------------- the prior
@@ -226,7 +226,7 @@ def test_places_leave_each_of_two_families():
     names = JOINTS[:5]
     tilts = [JointTiltCompliance(at=joint, stiffness=6e4) for joint in names]
     problem = Problem(
-        soft_arm(5), {"poses": poses_of([*springs("j1", "j2", "j4", "j5"), *tilts], 2, 60, 5)}, jobs=1
+        soft_arm(5), {"poses": poses_of([*springs("j1", "j2", "j4", "j5"), *tilts], 2, 60, 5)}, n_jobs=1
     )
     estimator = Estimator.nominal(problem, nuisance_model(problem))
     found = candidates(problem, estimator.nuisance.arm)

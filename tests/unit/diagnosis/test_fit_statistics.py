@@ -17,7 +17,7 @@ RECORDS = {"slow": diagnoses.record(1, step=2e-3), "fast": diagnoses.record(2, 0
 @pytest.fixture(scope="module")
 def found():
     """The diagnosis of an arm on a spring with a model that has none."""
-    return flexarm.diagnose(diagnoses.nominal(), RECORDS, jobs=1)
+    return flexarm.diagnose(diagnoses.nominal(), RECORDS, n_jobs=1)
 
 
 def test_the_right_model_leaves_white_noise(found):

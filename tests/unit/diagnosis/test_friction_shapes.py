@@ -36,7 +36,7 @@ def diagnosed(cause: Cause, **options) -> flexarm.Diagnosis:
         record(cause, rng, amplitude, period, delay=5e-4)
         for amplitude, period in ((0.8, 9.0), (0.6, 5.5), (0.7, 7.0))
     )
-    return flexarm.diagnose(nominal(), {"slow": slow, "fast": fast}, held, jobs=1, laws=False, **options)
+    return flexarm.diagnose(nominal(), {"slow": slow, "fast": fast}, held, n_jobs=1, laws=False, **options)
 
 
 @pytest.mark.parametrize("shape", HIDDEN)

@@ -72,7 +72,7 @@ def test_where_only_a_torque_changes_the_verdict_tells_it():
         seen = posed(two_joints(), poses(2, count, seed), seed, seen={"torque": torque})
         return changed(seen, "torque", seen.signals["torque"].values + 15.0)
 
-    d = flexarm.diagnose(two_joints(), {"yard": record(20, 1)}, record(12, 2), jobs=1)
+    d = flexarm.diagnose(two_joints(), {"yard": record(20, 1)}, record(12, 2), n_jobs=1)
     assert [(effect.name, effect.at) for effect in d.effects] == [("sensor_offset", "torque")]
     text = " ".join(d.summary().split())
     assert (

@@ -92,7 +92,7 @@ def test_no_model_is_adequate_that_does_not_predict_another_machine():
     """Poses of the model's own machine are explained; those held out are of one whose shoulder gives way."""
     training = posed(two_joints(), poses(2, 12, 1), 1)
     soft = two_joints().with_effect(JointCompliance(at="shoulder", stiffness=2e4))
-    d = flexarm.diagnose(two_joints(), {"yard": training}, posed(soft, poses(2, 10, 2), 2), jobs=1)
+    d = flexarm.diagnose(two_joints(), {"yard": training}, posed(soft, poses(2, 10, 2), 2), n_jobs=1)
     assert d.verdict == "unexplained" and not d.effects
     assert "the model is not adequate: of 'tip' in the held-out 'held_out'" in d.remainder
     assert "The model does not predict the held-out record 'held_out': " in d.summary()

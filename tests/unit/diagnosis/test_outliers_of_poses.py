@@ -194,7 +194,7 @@ def test_a_comparison_counts_them_in_nothing_unless_it_takes_all_as_it_is():
 def test_a_diagnosis_finds_the_spring_beside_a_slipped_decimal_point():
     """In one of twenty poses, tenfold: the spring is found as without it, and the pose is said."""
     record = spoilt(posed(SOFT, poses(2, 20, 1), 1), 7, 0, factor=10.0)
-    seen = flexarm.diagnose(two_joints(), {"yard": record}, jobs=1)
+    seen = flexarm.diagnose(two_joints(), {"yard": record}, n_jobs=1)
     assert seen.verdict == "effects"
     assert [(effect.name, effect.at) for effect in seen.effects] == [("joint_compliance", "elbow")]
     assert seen.effects[0].parameters[0].value == pytest.approx(1e5, rel=0.03)
@@ -205,6 +205,6 @@ def test_a_soft_arm_in_few_poses_is_diagnosed_as_ever():
     """Five poses of one joint, of which the fifth is held back."""
     machine = crane(effects=[compliance("hinge", 5e4)])
     record = posed(machine, np.linspace(-1.0, 1.2, 5)[:, None])
-    seen = flexarm.diagnose(crane(), {"yard": record}, jobs=1)
+    seen = flexarm.diagnose(crane(), {"yard": record}, n_jobs=1)
     assert [(effect.name, effect.at) for effect in seen.effects] == [("joint_compliance", "hinge")]
     assert not any("outlier" in remark for remark in seen.remarks)

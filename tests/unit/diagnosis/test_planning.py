@@ -30,7 +30,7 @@ def crane(*sensors):
 def poor():
     """Motor angle in, tip out, one payload, slowly."""
     model = crane(tracker("tip"))
-    return flexarm.plan(model, {"slow": there_and_back(40.0)}, clocks=CLOCKS, frames=FRAMES, jobs=1)
+    return flexarm.plan(model, {"slow": there_and_back(40.0)}, clocks=CLOCKS, frames=FRAMES, n_jobs=1)
 
 
 @pytest.mark.parametrize("pair", [(JOINT, LINK), (JOINT, LOAD), (LINK, LOAD)])
@@ -81,7 +81,7 @@ def test_more_reflectors_and_the_torque_part_springs_and_payload():
         name="torque", quantity="motor_torque", joint="hinge", side="output", rate_hz=10, noise_std=2.0
     )
     model = crane(tracker("tip"), tracker("mid"), torque)
-    found = flexarm.plan(model, {"slow": there_and_back(40.0)}, clocks=CLOCKS, frames=FRAMES, jobs=1)
+    found = flexarm.plan(model, {"slow": there_and_back(40.0)}, clocks=CLOCKS, frames=FRAMES, n_jobs=1)
     index = [[e.place for e in found.effects].index(place) for place in SOFT]
     factors = found.log_bayes_factor[np.ix_(index, index)]
     assert factors[~np.eye(3, dtype=bool)].min() > SelectionPolicy.reach
@@ -93,7 +93,7 @@ def test_the_smallest_size_is_proportional_to_the_noise():
     exact = {"clocks": {"controller": Clock(), "tracker": Clock()}, "frames": {"tracker": Frame()}}
     sizes = []
     for noise in (5e-5, 2e-4):
-        found = flexarm.plan(crane(tracker("tip", noise=noise)), [there_and_back(10.0)], jobs=1, **exact)
+        found = flexarm.plan(crane(tracker("tip", noise=noise)), [there_and_back(10.0)], n_jobs=1, **exact)
         sizes.append([found.effect(*place).times for place in SOFT])
     assert np.divide(sizes[1], sizes[0]) == approx(4.0, rel=1e-6)
 
@@ -101,7 +101,7 @@ def test_the_smallest_size_is_proportional_to_the_noise():
 def test_the_smallest_size_of_a_reflector_offset_is_that_of_its_noise():
     """An offset o along the link moves every sample by o: |gap|^2 = N (o/sigma)^2 in both axes together."""
     exact = {"clocks": {"controller": Clock(), "tracker": Clock()}, "frames": {"tracker": Frame()}}
-    found = flexarm.plan(crane(tracker("tip")), [there_and_back(10.0)], jobs=1, **exact)
+    found = flexarm.plan(crane(tracker("tip")), [there_and_back(10.0)], n_jobs=1, **exact)
     each = found.effect("reflector_offset", "tip")
     samples, delta = 101, 0.2
     # of the 2 N rows (sin q, cos q) N_v lies between N/2 and 2 N
@@ -149,7 +149,7 @@ def test_a_record_is_made_again_with_its_sensors_noise_and_payload():
     sensors = (tracker("tip"), torque, turn.replace(noise_std=5e-6, clock="controller"))
     run = from_drive("run", there_and_back(4.0), crane(*sensors), CLOCKS, FRAMES)
     record = run.record(crane(), 4e-3, -0.05)
-    found = flexarm.plan(crane(), {"again": record}, jobs=1)
+    found = flexarm.plan(crane(), {"again": record}, n_jobs=1)
     assert found.assumed == ()
     again = from_record("again", record, crane()).sensors
     assert [s.replace(unit=None, rate_hz=round(s.rate_hz, 9)) for s in again] == list(run.sensors)
@@ -182,7 +182,7 @@ def test_why_the_friction_of_a_rigid_joint_is_not_seen_is_said():
         model = crane(tracker("tip"), *sensors)
         stiff = model.without_effect("joint_compliance", "hinge") if model.effects else model
         found[name] = flexarm.plan(
-            stiff, {"slow": there_and_back(10.0)}, clocks=CLOCKS, frames=FRAMES, jobs=1
+            stiff, {"slow": there_and_back(10.0)}, clocks=CLOCKS, frames=FRAMES, n_jobs=1
         )
     blind = found["blind"].effect("viscous_friction", "hinge")
     assert not blind.seen

@@ -67,7 +67,7 @@ def test_a_shoulder_a_thirtieth_as_stiff_as_stated_is_found_in_three_joints():
         ),
     ]
     record = flexarm.measure(run, seen, np.random.default_rng(7), drive=list(angles))
-    found = flexarm.diagnose(stated, {"run": record}, jobs=1, step=0.004)
+    found = flexarm.diagnose(stated, {"run": record}, n_jobs=1, step=0.004)
     [spring] = found.effects
     assert (found.verdict, spring.name, spring.at) == ("effects", "joint_compliance", "shoulder")
     assert spring.parameters[0].value == pytest.approx(6e3, rel=2e-3)

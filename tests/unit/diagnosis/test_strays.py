@@ -143,7 +143,7 @@ def with_outliers(record, seed):
 def test_a_diagnosis_names_what_it_would_without_them_and_shows_gaps_without_them():
     """Both records are told by their good readings: left is noise of three axes, to 2 % by 1200 rows."""
     one, other = with_outliers(diagnoses.record(1), 1), with_outliers(diagnoses.record(3, 0.2), 3)
-    d = flexarm.diagnose(diagnoses.nominal(), {"one": one}, other, jobs=1, step=0.004)
+    d = flexarm.diagnose(diagnoses.nominal(), {"one": one}, other, n_jobs=1, step=0.004)
     [spring] = d.effects
     assert (d.verdict, spring.name, spring.at) == ("effects", "joint_compliance", "hinge")
     assert spring.parameters[0].value == pytest.approx(diagnoses.STIFFNESS, rel=0.02)

@@ -109,7 +109,7 @@ def test_a_frame_has_the_zero_of_a_place(record):
 
 
 def test_a_zero_within_its_sigma_is_refined_and_no_effect(record):
-    found = flexarm.diagnose(model(), record, jobs=1)
+    found = flexarm.diagnose(model(), record, n_jobs=1)
     assert found.verdict == "adequate", found
     [zero] = [each for each in found.refined if each.parameter == "effects.sensor_offset.second.offset"]
     assert zero.value == pytest.approx(ZERO, abs=5e-6)
@@ -118,7 +118,7 @@ def test_a_zero_within_its_sigma_is_refined_and_no_effect(record):
 
 
 def test_a_zero_beyond_what_the_record_states_is_an_effect(record):
-    found = flexarm.diagnose(model(), stating(record, second=1e-4), jobs=1)
+    found = flexarm.diagnose(model(), stating(record, second=1e-4), n_jobs=1)
     assert [(effect.name, effect.at) for effect in found.effects] == [("sensor_offset", "second")]
     assert found.effects[0].parameters[0].value == pytest.approx(ZERO, abs=5e-6)
 

@@ -179,7 +179,7 @@ def test_a_drive_and_a_spline_add_up():
 @pytest.mark.slow
 def test_a_diagnosis_writes_the_law_into_its_model_as_compare_reads_it(tmp_path):
     about = Study.of(CAUSES["rubbing"].cause, 5, noise_alone=True)
-    told = flexarm.diagnose(nominal(), about.records, about.other, step=4e-3, jobs=2)
+    told = flexarm.diagnose(nominal(), about.records, about.other, step=4e-3, n_jobs=2)
     assert told.verdict == "unexplained"
     law = told.laws[0]
     assert (law.at, law.of, law.kind) == ("hinge", "angle", "law")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flexarm.arguments import INDICES, PATH, POSITIVE, SHARE, TEXT, takes
+from flexarm.arguments import INDICES, LISTED, PATH, POSITIVE, SHARE, TEXT, takes
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.superelement.checks import STATED_ORDER
@@ -29,7 +29,7 @@ from flexarm.superelement.shape import HUGE, asymmetric_entry
     stiffness=PATH,
     mass_matrix=PATH,
     grids=PATH,
-    order=PATH,
+    order=LISTED,
     damping_matrix=PATH,
     interfaces=INDICES,
     unit=TEXT,
