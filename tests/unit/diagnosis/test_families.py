@@ -226,7 +226,7 @@ def test_places_leave_each_of_two_families():
     names = JOINTS[:5]
     tilts = [JointTiltCompliance(at=joint, stiffness=6e4) for joint in names]
     problem = Problem(
-        soft_arm(5), {"poses": poses_of([*springs("j1", "j2", "j4", "j5"), *tilts], 2, 60, 5)}, n_jobs=1
+        soft_arm(5), {"poses": poses_of([*springs("j1", "j2", "j4", "j5"), *tilts], 2, 60, 5)}, jobs=1
     )
     estimator = Estimator.nominal(problem, nuisance_model(problem))
     found = candidates(problem, estimator.nuisance.arm)
