@@ -72,7 +72,7 @@ def test_soft_joints_foretell_other_poses_three_times_as_well(shared_dir, tmp_pa
         signals=[s.replace(values=s.values[::3], pose=s.pose[::3]) for s in training.signals.values()]
     )
     found = flexarm.calibrate(
-        arm.replace(uncertainty=places), {"few": few}, ["encoder_offset", "joint_compliance"], held, jobs=1
+        arm.replace(uncertainty=places), {"few": few}, ["encoder_offset", "joint_compliance"], held, n_jobs=1
     )
     for side in ("right", "left"):
         gap = found.gap(found.held_out, side)

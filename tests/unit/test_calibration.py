@@ -157,7 +157,7 @@ def test_a_zero_that_the_data_do_not_tell_from_none_is_not_in_the_updated_model(
     bare = Record(kind="static", signals=[*drives, output, tip], drive=JOINTS)
     seen = solve_poses(robot(), bare).position[:, 0] + NOISE * rng.standard_normal((30, 3))
     found = flexarm.calibrate(
-        robot(), bare.replace(signals=[*drives, output, tip.replace(values=seen)]), [], jobs=1
+        robot(), bare.replace(signals=[*drives, output, tip.replace(values=seen)]), [], n_jobs=1
     )
     zero = found.parameter("effects.sensor_offset.out.offset")
     assert abs(zero.value) < zero.std < 1e-4
@@ -186,7 +186,7 @@ def test_a_mistyped_family_is_refused_before_faults_of_the_records():
 
 def test_nothing_uncertain_is_refused():
     with pytest.raises(InvalidParameter, match="nothing to calibrate"):
-        flexarm.calibrate(robot().replace(uncertainty={}), {"poses": record(1, 6)}, jobs=1)
+        flexarm.calibrate(robot().replace(uncertainty={}), {"poses": record(1, 6)}, n_jobs=1)
 
 
 def family(spread: float) -> Family:
