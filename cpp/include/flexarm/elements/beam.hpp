@@ -143,7 +143,9 @@ class BeamElementIn {
   /// The section at ξ in [0, 1], from the shape functions in the coordinates (1).
   BeamSection<D> section(double xi) const { return {d0_, xi * d0_, shape_matrix(xi)}; }
   /// Its placement, and its velocity in its own axes.
-  FrameD interpolate(const FrameD& H1, const FrameD& H2, double xi) const { return section(xi).frame(H1, H2); }
+  FrameD interpolate(const FrameD& H1, const FrameD& H2, double xi) const {
+    return section(xi).frame(H1, H2);
+  }
   TwistD interpolate_velocity(const FrameD& H1, const FrameD& H2, const TwistD& v1, const TwistD& v2,
                               double xi) const {
     return section(xi).velocity(H1, H2, v1, v2);

@@ -74,8 +74,8 @@ class ArmNumbersIn {
   std::vector<FollowerPlace> followers_;
   std::vector<JointOutput> outputs_;
   std::vector<PointPlace> points_;
-  Rows beams_, bodies_, weights_, gravity_, joint_numbers_, gear_numbers_, law_numbers_, scalar_inertia_, follower_frames_,
-      reach_, mass_scale_, point_offsets_, sections_, consistent_, by_forces_;
+  Rows beams_, bodies_, weights_, gravity_, joint_numbers_, gear_numbers_, law_numbers_, scalar_inertia_,
+      follower_frames_, reach_, mass_scale_, point_offsets_, sections_, consistent_, by_forces_;
 
   bool is_first_ = true;  // of the inverses to be set: all others are to be cut as it is
   std::vector<int> unknowns_;

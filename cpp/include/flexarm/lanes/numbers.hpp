@@ -18,7 +18,8 @@ struct JointPlace {
   bool folded;  ///< takes no part in steps (solvers/welds.hpp)
 };
 
-/// A gear between scalar coordinates, with its constraint's row; `waves` if some arm has a transmission error.
+/// A gear between scalar coordinates, with its constraint's row; `waves` if some arm has a transmission
+/// error.
 struct GearPlace {
   int input, output, row;
   bool waves;
@@ -113,7 +114,8 @@ struct Arms {
   const JointOutput* outputs;
   Turns turns;  ///< of the kept inverse
   int n_forces;
-  const double* by_forces;  ///< W of forces that are found lane by lane: (n_reduced, n_forces), by blocks of rows
+  const double*
+      by_forces;  ///< W of forces that are found lane by lane: (n_reduced, n_forces), by blocks of rows
   /// Change of accelerations of free scalar coordinates, of multipliers and of Uᵀ x by Φ'': (n_free_scalars +
   /// n_constraints + n_columns, n_constraints); null: forces are those of the stepping. W has rows of the
   /// first two.

@@ -92,7 +92,7 @@ class TangentChangesIn {
   const std::vector<TurningJoint>& joints() const { return joints_; }
   const Eigen::MatrixXd& W() const { return W_; }
   const Eigen::MatrixXd& G() const { return G_; }
-  double scale() const { return factors_.constraint; }    ///< s of (2)
+  double scale() const { return factors_.constraint; }     ///< s of (2)
   Eigen::VectorXd along(const Eigen::VectorXd& x) const {  ///< Uᵀ x
     Eigen::VectorXd Ux(W_.cols());
     find_along([&](int row) { return x[row]; }, Ux);
@@ -129,8 +129,8 @@ class TangentChangesIn {
   void find_laws_here(const assembly::StateIn<D>& state);
   void directions(Eigen::MatrixXd& U) const;
 
-  /// What depends on the turns of the joints alone, and the forces, for numbers of joints and laws; the former
-  /// is Eigen::Dynamic for more than most_in_steps.
+  /// What depends on the turns of the joints alone, and the forces, for numbers of joints and laws; the
+  /// former is Eigen::Dynamic for more than most_in_steps.
   struct ForNumbers {
     void (TangentChangesIn::*prepare)();
     void (TangentChangesIn::*find_joint_forces)(const Eigen::VectorXd&);
