@@ -104,7 +104,7 @@ def test_csv_is_the_samples(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("t,hinge\n0,1\n1,2\n", "header: has no column time_s; there are t, hinge"),
+        ("t,hinge\n0,1\n1,2\n", "header: there is no column 'time_s'; there are t, hinge"),
         ("time_s\n0\n1\n", "header: drives no joint; add a column named hinge or wrist"),
         ("time_s,elbow\n0,1\n1,2\n", "column elbow: is no moving joint of the model; there are hinge, wrist"),
         ("time_s,weld\n0,1\n1,2\n", "column weld: is no moving joint"),

@@ -326,8 +326,10 @@ def test_the_command_shows_models_runs_and_records(tmp_path, capsys, run):
 def test_only_what_has_a_picture_is_shown():
     with pytest.raises(InvalidParameter, match="view: must be one of Arm, Statics"):
         view(3.0)
-    with pytest.raises(InvalidParameter, match="scale: must be positive"):
-        flexarm.static(an_arm()).view(scale=-1.0)
+    for scale in (-1.0, 0.0, 1e300, float("nan")):
+        with pytest.raises(InvalidParameter, match="scale: must be positive and at most 1e\\+12"):
+            flexarm.static(an_arm()).view(scale=scale)
+    assert np.isfinite(of_statics(flexarm.static(an_arm()), 1e12).clips[0].poses.x).all()
 
 
 def test_rigid_arms_on_fixed_joints_are_drawn():

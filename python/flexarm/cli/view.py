@@ -58,8 +58,11 @@ def view(
         from flexarm.output import refuse_existing
 
         refuse_existing(out, force, [path])
-    if scale is not None and not 0 < scale < float("inf"):
-        raise InvalidFile("command line", "--scale", f"must be positive, got {scale:g}")
+    from flexarm.viewer.scene import STYLE
+
+    if scale is not None and not 0 < scale <= STYLE.largest_scale:
+        what = f"must be positive and at most {STYLE.largest_scale:g}, got {scale:g}"
+        raise InvalidFile("command line", "--scale", what)
     shown = _view(path, record, model, mesh, joint, scale)
     with blame(path):
         if out is None:

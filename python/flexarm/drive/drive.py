@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from flexarm.arguments import ARM, ARRAY, ARRAYS, PATH, RECORD, TEXT, takes
 from flexarm.arm import Arm
+from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.drive.joint_drive import JointDrive
 from flexarm.errors import InvalidFile, InvalidParameter
@@ -157,7 +158,7 @@ def samples_in(path: str | Path, arm: Arm, idle: bool = False) -> tuple[Floats, 
     """
     table = CsvFile(Path(path), path)
     if "time_s" not in table.header:
-        raise InvalidFile(path, "header", f"has no column time_s; there are {', '.join(table.header)}")
+        raise InvalidFile(path, "header", missing("column", "time_s", table.header))
     moving = [joint.name for joint in arm.moving_joints]
     names = [name for name in table.header if name != "time_s"]
     for name in names:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import chain, islice, repeat
 from pathlib import Path
@@ -80,7 +81,7 @@ class CsvFile:
         if other:
             what = f"cells are separated by {other!r}; allowed are commas, and points in decimals"
             raise InvalidFile(self.file, "header", f"{what}; `flexarm import` reads other forms")
-        doubled = {name for name in header if header.count(name) > 1 and name}
+        doubled = {name for name, count in Counter(header).items() if count > 1 and name}
         if doubled:
             raise InvalidFile(self.file, "header", f"column {min(doubled)!r} stands there twice")
         return header

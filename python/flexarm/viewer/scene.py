@@ -21,6 +21,8 @@ class Style:
     point: float = 0.008
     arrow: float = 0.14
     shown_deformation: float = 0.06
+    largest_scale: float = 1e12
+    """Greatest factor of displacements: a picometre shows, and places stay numbers that a page can hold."""
     shown_mode: float = 0.12
     most_turned: float = 0.4
     """Greatest rotation of a drawn mode [rad]: beyond, straight displacements tear turning parts off."""

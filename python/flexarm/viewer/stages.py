@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from math import isfinite
 
 import numpy as np
 
@@ -354,8 +353,9 @@ def _scale_of(largest: float, size: float, share: float) -> float:
 
 
 def _checked(scale: float) -> float:
-    if not (isfinite(scale) and scale > 0):
-        raise InvalidParameter(f"must be positive, got {scale:g}", where="scale")
+    if not 0 < scale <= STYLE.largest_scale:
+        what = f"must be positive and at most {STYLE.largest_scale:g}, got {scale:g}"
+        raise InvalidParameter(what, where="scale")
     return float(scale)
 
 
