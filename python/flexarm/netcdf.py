@@ -7,9 +7,10 @@ files. Source: Unidata, NetCDF File Format Specifications, "The NetCDF-4 Format"
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from io import BytesIO
+from io import BytesIO, FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,7 +57,7 @@ class Contents:
 def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> None:
     """Write a file, which appears when it is whole and replaces none of the inputs.
 
-    It is made in memory: HDF5 crashes at exit where it could not write.
+    It is made in memory, where HDF5 can write; see `growing_hdf5`.
 
     Raise InvalidFile if the file cannot be written.
     """
@@ -65,8 +66,49 @@ def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> N
     write_file(path, image.getbuffer(), inputs)
 
 
-def _write(contents: Contents, image: BytesIO) -> None:
+@contextmanager
+def growing_hdf5(path: Path) -> Iterator[Any]:
+    """Yield a new HDF5 file; raise OSError at the end if some of it could not be written.
+
+    HDF5 itself would try again at exit, and crash.
+    """
     import h5py  # type: ignore[import-untyped]
+
+    with _Sink(path, "w+") as sink:
+        try:
+            with h5py.File(sink, "w") as file:
+                yield file
+        finally:
+            if sink.error is not None:
+                raise sink.error
+
+
+class _Sink(FileIO):
+    """A file of which HDF5 does not learn that it cannot be written."""
+
+    error: OSError | None = None
+
+    def write(self, content: Any) -> int:
+        """Write all, or nothing any more once there was an error."""
+        left = memoryview(content)
+        try:
+            while len(left) and self.error is None:
+                left = left[super().write(left) :]
+        except OSError as error:
+            self.error = error
+        return len(content)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the length, if that is possible."""
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.error = error
+            return size or 0
+
+
+def _write(contents: Contents, image: BytesIO) -> None:
+    import h5py
 
     scales: dict[str, Any] = {}
     with h5py.File(image, "w") as file:

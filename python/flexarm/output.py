@@ -56,7 +56,7 @@ def output_directory(
     """
     target, kept = Path(path), tuple(inputs)
     with _claimed(target) as partial:
-        with _blamed(target):
+        with writing(target):
             _refuse_occupied(target, force)
             _refuse_inputs((target / name for name in names), kept)
             partial.mkdir()
@@ -66,7 +66,7 @@ def output_directory(
             if not isinstance(error.filename, str) or place_of(error.filename) == Path(error.filename):
                 raise  # about something else
             raise _unwritten(target, error) from None
-        with uninterrupted(), _blamed(target):
+        with uninterrupted(), writing(target):
             _refuse_occupied(target, force)
             _move(partial, target, kept)
             _note(target)
@@ -83,7 +83,7 @@ def growing_directory(
     names and errors are as of `output_directory`.
     """
     target, made = Path(path), list[Path]()
-    with _blamed(target):
+    with writing(target):
         _refuse_occupied(target, more)
         _refuse_inputs((target / name for name in names), tuple(inputs))
         _make_parents(target, made)
@@ -111,14 +111,14 @@ def output_file(path: str | Path, inputs: Iterable[Path] = ()) -> Iterator[Path]
         what = f"cannot be written: there is no directory {target.parent}"
         raise InvalidFile(place_of(target), "output", what)
     if place_of(target) != target:  # it appears with its directory
-        with _blamed(target):
+        with writing(target):
             yield target
         return
     refuse_existing(target, True, inputs)
     with _claimed(target) as partial:
-        with _blamed(target):
+        with writing(target):
             yield partial
-        with uninterrupted(), _blamed(target):
+        with uninterrupted(), writing(target):
             partial.replace(target)
             _note(target)
 
@@ -153,6 +153,17 @@ def place_of(path: str | Path) -> Path:
         if place.is_relative_to(partial):
             place = final / place.relative_to(partial)
     return place
+
+
+@contextmanager
+def writing(target: Path) -> Iterator[None]:
+    """Turn errors of the operating system into those of an output, `InvalidFile` at "output"."""
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        if isinstance(error, InvalidFile):
+            raise
+        raise _unwritten(target, error) from None
 
 
 class SavedAsDirectory(ABC):
@@ -251,7 +262,7 @@ def _claimed(target: Path) -> Iterator[Path]:
     try:
         try:
             with undone_on_exit(claim.release):  # before a signal that came meanwhile is passed on
-                with uninterrupted(), _blamed(target):
+                with uninterrupted(), writing(target):
                     claim.take()
                 yield claim.partial
         finally:
@@ -349,17 +360,6 @@ def _outdated_figures(directory: Path, names: Collection[str]) -> list[Path]:
     """Return figures of a former report that the new one, of these files, does not replace."""
     figures = [each for each in directory.glob("*.png") if each.is_file() and each.name not in names]
     return [each for each in figures if FIGURE.encode() in each.read_bytes()[:256]]
-
-
-@contextmanager
-def _blamed(target: Path) -> Iterator[None]:
-    """Turn errors of the operating system into those of an output."""
-    try:
-        yield
-    except (OSError, ValueError) as error:
-        if isinstance(error, InvalidFile):
-            raise
-        raise _unwritten(target, error) from None
 
 
 def _unwritten(target: Path, error: Exception) -> InvalidFile:

@@ -4,6 +4,7 @@ import fcntl
 import gc
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -12,6 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
+from campaign_runs import STATIC, study_in
 
 from flexarm import output
 from flexarm.errors import InvalidFile
@@ -66,6 +68,53 @@ def test_a_full_disk_is_an_error_that_names_the_file_and_leaves_nothing(
     assert done.stderr.splitlines()[-1] == f"error: {file}: output: cannot be written: File too large"
     assert "Traceback" not in done.stderr
     assert contents(place) == before
+
+
+@pytest.mark.parametrize(
+    ("most", "file"),
+    [
+        (1000, r"study\.json"),
+        (3000, r"results\.parts/\S+"),
+        (12_000, r"results\.nc"),
+        (30_000, r"summary\.html"),
+    ],
+)
+def test_a_campaign_on_a_full_disk_says_what_is_kept_and_goes_on(
+    tmp_path: Path, most: int, file: str
+) -> None:
+    place = study_in(tmp_path, STATIC).parent
+    before = contents(place)
+    words = ("campaign", "study.toml", "--jobs", "1", "--out", "out")
+    done = flexarm(place, *words, program=SMALL.replace("1000", str(most)))
+    assert done.returncode == 2, done.stderr
+    told = rf"error: out/{file}: output: cannot be written: File too large"
+    if most == 1000:  # nothing is done yet
+        assert re.fullmatch(told, done.stderr.splitlines()[-1])
+        assert contents(place) == before
+        assert not (place / "out").exists()
+        return
+    told += r"; \d+ of 50 runs are kept in out; --resume goes on"
+    assert re.fullmatch(told, done.stderr.splitlines()[-1])
+    done = flexarm(place, *words, "--resume")
+    assert done.returncode == 0, done.stderr
+    assert sorted(contents(place / "out")) == ["results.nc", "study.json", "summary.html"]
+
+
+def test_a_file_that_hdf5_cannot_write_is_an_error_at_its_end(tmp_path: Path) -> None:
+    """In a process of its own, for HDF5 alone would end it as it leaves."""
+    code = """
+from pathlib import Path
+import numpy as np
+from flexarm.netcdf import growing_hdf5
+try:
+    with growing_hdf5(Path("a.nc")) as file:
+        for i in range(10):
+            file.create_dataset(f"x{i}", data=np.arange(1000.0))
+except OSError as error:
+    print(error.strerror)
+"""
+    done = flexarm(tmp_path, program=SMALL.replace(PROGRAM, "") + code)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "File too large\n", "")
 
 
 def test_of_two_runs_into_one_place_the_second_is_refused(place: Path) -> None:

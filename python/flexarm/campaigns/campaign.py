@@ -6,10 +6,10 @@ import json
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +25,7 @@ from flexarm.campaigns.results import write_results
 from flexarm.campaigns.store import RESULTS, Store, refuse_gaps
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter
-from flexarm.output import growing_directory
+from flexarm.output import growing_directory, writing
 from flexarm.pictures import Shown
 from flexarm.reading import check_hdf5, reading
 from flexarm.report.campaign import page
@@ -163,9 +163,13 @@ def campaign(
     with growing_directory(folder, resume or force, [plan.file, *plan.inputs.values()], names) as partial_:
         store = Store(folder, partial_)
         session = _begun(plan, store, resume, force, say)
-        if not store.results.is_file():
-            _compute(plan, store, session, scheduler, n_jobs, progress or (lambda done, what: None), say)
-        return _finished(plan, store, session)
+        done = set(range(plan.count)) if store.results.is_file() else store.done()
+        refuse_gaps(store.parts, plan.count, done)
+        tally = _Tally(plan.count, len(done), progress or (lambda done, what: None))
+        with _resumable(store, tally):
+            if not store.results.is_file():
+                _compute(plan, store, done, tally, scheduler, n_jobs, say)
+            return _finished(plan, store, session)
 
 
 @dataclass
@@ -223,42 +227,37 @@ def _remove_former(store: Store) -> None:
 def _compute(
     plan: Plan,
     store: Store,
-    session: _Session,
+    done: set[int],
+    tally: _Tally,
     scheduler: str | None,
     jobs: int | None,
-    progress: Tell,
     say: Callable[[str], object],
 ) -> None:
-    """Compute what is not there yet, and put the results together."""
-    done = store.done()
-    refuse_gaps(store.parts, plan.count, done)
+    """Compute what is not done yet, and put the results together."""
     pending = [sample for sample in range(plan.count) if sample not in done]
     began = time.perf_counter()
     with reading(plan.file.parent / plan.study.model, "a model", "model"):
         nominal = plan.job.runner.nominal(plan.arm)
     spent = time.perf_counter() - began
     each = seconds_of_a_run(plan.job.runner, plan.arm, spent / len(nominal)) if nominal else TASK_SECONDS
-    tally = _Tally(plan.count, len(done), progress)
 
     def put(rows: Sequence[Row]) -> None:
         store.put(rows)
         tally.add(len(rows))
 
-    kept = partial(_kept_so_far, store, tally)
-    with told_on_exit(kept):
-        if not pending:
-            pass
-        elif scheduler is None and _here(jobs, each * len(pending)):
-            compute_here(plan.job, plan.tasks(pending, task_size(each, plan.row_bytes, 1), 1), put)
-        else:
-            wanted = min(jobs or os.cpu_count() or 1, len(pending))
-            with client_of(scheduler, wanted, store.room) as client:
-                if address := page_of(client):
-                    say(f"Dask's page: {address}")
-                workers = max(1, sum(client.nthreads().values()))
-                size = task_size(each, plan.row_bytes, workers)
-                compute_with(client, plan.job, plan.tasks(pending, size, workers), put)
-        _write(plan, store, nominal)
+    if not pending:
+        pass
+    elif scheduler is None and _here(jobs, each * len(pending)):
+        compute_here(plan.job, plan.tasks(pending, task_size(each, plan.row_bytes, 1), 1), put)
+    else:
+        wanted = min(jobs or os.cpu_count() or 1, len(pending))
+        with client_of(scheduler, wanted, store.room) as client:
+            if address := page_of(client):
+                say(f"Dask's page: {address}")
+            workers = max(1, sum(client.nthreads().values()))
+            size = task_size(each, plan.row_bytes, workers)
+            compute_with(client, plan.job, plan.tasks(pending, size, workers), put)
+    _write(plan, store, nominal)
 
 
 def seconds_of_a_run(runner: Runner, arm: Arm, nominal: float) -> float:
@@ -311,8 +310,20 @@ def _clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
 
 
-def _kept_so_far(store: Store, tally: _Tally) -> str:
-    return f"{tally.done} of {tally.count} runs are kept in {store.directory}; --resume goes on"
+@contextmanager
+def _resumable(store: Store, tally: _Tally) -> Iterator[None]:
+    """Say what is kept, if the process leaves within the block or cannot write a file."""
+
+    def kept() -> str:
+        return f"{tally.done} of {tally.count} runs are kept in {store.directory}; --resume goes on"
+
+    with told_on_exit(kept):
+        try:
+            yield
+        except InvalidFile as error:
+            if error.where != "output":
+                raise
+            raise InvalidFile(error.file, "output", f"{error.problems[0].what}; {kept()}") from None
 
 
 def _write(plan: Plan, store: Store, nominal: list[Outcome]) -> None:
@@ -329,8 +340,9 @@ def _write(plan: Plan, store: Store, nominal: list[Outcome]) -> None:
     }
     path = store.directory / RESULTS
     partial_ = store.room / RESULTS
-    write_results(store, partial_, plan.job.runner.variables, plan.coordinates(), nominal, attributes)
-    partial_.replace(path)
+    with writing(path):
+        write_results(store, partial_, plan.job.runner.variables, plan.coordinates(), nominal, attributes)
+        partial_.replace(path)
 
 
 def _finished(plan: Plan, store: Store, session: _Session) -> Campaign:

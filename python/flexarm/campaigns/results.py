@@ -17,6 +17,7 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.campaigns.outcome import Outcome, Variable
 from flexarm.campaigns.store import Part, Store
+from flexarm.netcdf import growing_hdf5
 
 SAMPLE = "sample"
 
@@ -34,11 +35,11 @@ def write_results(
     `variables` are those that every run has; others are found in the batches. `coordinates` are values by
     sample and attributes (parameters, labels), `nominal` the nominal run through each case; none for
     diagnoses.
-    """
-    import h5py  # type: ignore[import-untyped]
 
+    Raise OSError if the file cannot be written.
+    """
     count = len(next(iter(coordinates.values()))[0])
-    with h5py.File(path, "w") as file:
+    with growing_hdf5(path) as file:
         file.attrs.update({**attributes, "coordinates": " ".join(coordinates)})
         made = _File(file, count, " ".join(coordinates))
         for name, (values, attrs) in coordinates.items():
@@ -125,7 +126,7 @@ def _as_slice(samples: Any) -> Any:
 
 
 def _text() -> Any:
-    import h5py
+    import h5py  # type: ignore[import-untyped]
 
     return h5py.string_dtype()
 

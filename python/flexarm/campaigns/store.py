@@ -18,6 +18,7 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.campaigns.job import Row
 from flexarm.errors import InvalidFile
+from flexarm.output import writing
 from flexarm.reading import reading
 
 PARTS, RESULTS = "results.parts", "results.nc"
@@ -51,19 +52,21 @@ class Store:
         return self.directory / RESULTS
 
     def put(self, rows: Sequence[Row]) -> None:
-        """Keep rows; those of one batch appear together."""
+        """Keep rows; those of one batch appear together. Raise InvalidFile as `write`."""
         if not rows:
             return
-        self.parts.mkdir(exist_ok=True)
+        with writing(self.parts):
+            self.parts.mkdir(exist_ok=True)
         content = BytesIO()
         np.savez(content, **_packed(rows))
         self.write(self.parts / f"{rows[0].sample:09d}-{len(rows)}.npz", content.getbuffer())
 
     def write(self, path: Path, content: bytes | memoryview) -> None:
-        """Write a file, which appears when it is whole."""
+        """Write a file, which appears when it is whole. Raise InvalidFile if it cannot be written."""
         written = self.room / path.name
-        written.write_bytes(content)
-        written.replace(path)
+        with writing(path):
+            written.write_bytes(content)
+            written.replace(path)
 
     def files(self) -> list[Path]:
         """Return the files of all batches, in the order of their first samples."""

@@ -32,16 +32,21 @@ def told(found: Ended) -> None:
 
 
 def full(name: str, size: int) -> None:
-    """No file may grow beyond a size, as on a full disk: whole output, or none and a refusal."""
-    before = entries()
-    process = started(COMMANDS[name][1], preexec_fn=lambda: _limit(size))
-    found = ended(process)
+    """No file may grow beyond a size, as on a full disk: whole output, or a refusal and none.
+
+    What a campaign has done stays, if it says so; `--resume` must go on.
+    """
+    before, words = entries(), COMMANDS[name][1]
+    found = ended(started(words, preexec_fn=lambda: _limit(size)))
     told(found)
+    if "--resume goes on" in found.err:
+        found = ended(started((*words, "--resume")))
+        must(found.code == 0, "wrong result", lambda: f"--resume ends with {found.code}: {found.err[-200:]}")
     if found.code == 0:
-        return whole(name)
+        whole(name)
+        before |= {entry for entry in entries() if entry.split("/")[0] in WRITES}
     left = entries() - before
     must(not left, "left files", f"{', '.join(sorted(left))[:200]} after: {found.err[-100:]}")
-    return None
 
 
 def _limit(size: int) -> None:
