@@ -67,6 +67,40 @@ def test_messages_use_the_numbers_of_the_file(tmp_path):
     assert list(read_mesh(path).cell_numbers["tet4"]) == [20, 31]
 
 
+@pytest.mark.parametrize("text", [TWO_TETRAHEDRA, GMSH_4], ids=["2.2", "4.1"])
+def test_points_keep_their_numbers(tmp_path, text):
+    path = tmp_path / "two.msh"
+    path.write_text(text)
+    assert list(read_mesh(path).point_numbers) == [1, 2, 3, 5, 8]
+
+
+def test_cells_in_no_physical_group_are_read_beside_others(tmp_path):
+    """As Gmsh's "Save all elements" writes them."""
+    path = tmp_path / "two.msh"
+    path.write_text(GMSH_4.replace("1 1 1 1 7 0", "1 1 1 0 0"))
+    mesh = read_mesh(path)
+    assert list(mesh.cells["tet4"].ravel()) == [0, 1, 2, 3, 1, 4, 2, 3]
+    assert list(mesh.cell_groups) == ["body"]
+    assert not mesh.point_sets
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("1 5 1 8", "1 4 1 8", r"\$Nodes: declares 4 entries, its blocks hold 5"),
+        ("2 3 10 31", "2 2 10 31", r"\$Elements: declares 2 entries, its blocks hold 3"),
+        ("3 2 0 5", "3 2 1 5", r"\$Nodes: holds parametric coordinates; save without"),
+        ("3 2 4 2", "3 2 99 2", r"\$Elements: holds cells of the unknown type 99"),
+        ("4.1 0 8", "4.0 0 8", r"\$MeshFormat: must be version 2.2 or 4.1, got 4.0"),
+    ],
+)
+def test_a_section_at_fault_is_named(tmp_path, old, new, told):
+    path = tmp_path / "two.msh"
+    path.write_text(GMSH_4.replace(old, new))
+    with pytest.raises(InvalidFile, match=told):
+        read_mesh(path)
+
+
 def test_points_that_no_cell_uses_are_left_out(tmp_path):
     path = tmp_path / "two.msh"
     path.write_text(TWO_TETRAHEDRA)

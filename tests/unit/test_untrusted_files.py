@@ -1,13 +1,20 @@
 """Files that never end, unfold without end, lead elsewhere or hold control characters are refused."""
 
 import os
+import re
+import struct
 import subprocess
 import sys
+import tracemalloc
 import zipfile
 import zlib
+from base64 import b64encode
+from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 
 import h5py
+import meshlane
 import numpy as np
 import pytest
 from mesh_files import GMSH_4, GMSH_TETRAHEDRA
@@ -17,6 +24,7 @@ from flexarm import Arm, InvalidFile, Record, Simulation, State, SuperElement, r
 from flexarm.errors import Problem
 from flexarm.linear.matlab import read_mat
 from flexarm.reading import regular_file
+from flexarm.solids import ring
 
 
 @pytest.mark.parametrize("read", [Arm.from_toml, Simulation.load, State.load, SuperElement.load, read_mesh])
@@ -131,8 +139,69 @@ def test_a_mesh_of_more_nodes_than_bytes_is_refused(tmp_path: Path, text: str) -
     words = line.split()
     words[-3 if len(words) > 1 else 0] = "99999999"
     (tmp_path / "part.msh").write_text(f"{begin}{header}{' '.join(words)}\n{rest}")
-    with pytest.raises(InvalidFile, match=r"\$Nodes: declares 99999999 entries in a file of \d+ bytes"):
+    with pytest.raises(InvalidFile, match=r"\$Nodes: declares \d+ entries"):
         read_mesh(tmp_path / "part.msh")
+
+
+def taken_up(path: Path) -> float:
+    """Return the memory [MB] that a mesh takes, or its refusal."""
+    tracemalloc.start()
+    with suppress(InvalidFile):
+        read_mesh(path)
+    peak = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    return peak
+
+
+@pytest.mark.parametrize("text", [GMSH_TETRAHEDRA, GMSH_4], ids=["2.2", "4.1"])
+def test_no_number_of_a_mesh_takes_up_memory(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "part.msh"
+    path.write_text(text)
+    read_mesh(path)  # imports what it needs
+    for number in re.finditer(r"(?<![\d.])\d+(?!\.)", text):
+        path.write_text(f"{text[: number.start()]}900000000{text[number.end() :]}")
+        assert taken_up(path) < 5, text[: number.end()]
+
+
+@pytest.mark.parametrize("kind", ["gmsh", "gmsh22"])
+def test_no_bytes_of_a_binary_mesh_take_up_memory(tmp_path: Path, kind: str) -> None:
+    part = ring(0.1, 0.2, 0.1, size=0.1, around=8, order=1)
+    mesh = meshlane.Mesh(part.points, [("hexahedron", part.cells["hex8"])])
+    mesh.cell_data = {name: [np.ones(8, int)] for name in ("gmsh:physical", "gmsh:geometrical")}
+    mesh.point_data = {"gmsh:dim_tags": np.tile([3, 1], (part.n_points, 1))} if kind == "gmsh" else {}
+    path = tmp_path / "part.msh"
+    meshlane.write(path, mesh, file_format=kind, binary=True)
+    read_mesh(path)
+    sound = path.read_bytes()
+    places = (range(200), range(sound.index(b"$Elements"), sound.index(b"$Elements") + 100))
+    for at in chain(*places):
+        path.write_bytes(sound[:at] + struct.pack("<i", 900_000_000) + sound[at + 4 :])
+        assert taken_up(path) < 5, at
+
+
+@pytest.mark.parametrize("kind", ["inline", "appended"])
+@pytest.mark.parametrize("honest", [True, False])
+def test_a_grid_that_unfolds_beyond_its_file_is_refused(tmp_path: Path, kind: str, honest: bool) -> None:
+    """Of 300 MB of zeros in 300 kB, declared or not."""
+    block = zlib.compress(bytes(2**20), 9)
+    size = 2**20 if honest else 2**10
+    head = np.array([300, size, 0, *[len(block)] * 300], "<u4").tobytes()
+    data = (b64encode(head) + b64encode(300 * block)).decode()
+    about = 'format="binary"' if kind == "inline" else 'format="appended" offset="0"'
+    points = f'<DataArray type="Float64" NumberOfComponents="3" {about}>{data if kind == "inline" else ""}'
+    appended = "" if kind == "inline" else f'<AppendedData encoding="base64">_{data}</AppendedData>'
+    (tmp_path / "part.vtu").write_text(
+        '<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian" header_type="UInt32" '
+        'compressor="vtkZLibDataCompressor"><UnstructuredGrid><Piece NumberOfPoints="1" NumberOfCells="0">'
+        f"<Points>{points}</DataArray></Points></Piece></UnstructuredGrid>{appended}</VTKFile>"
+    )
+    told = (
+        "declares 314572800 bytes in a file of"
+        if honest
+        else "holds a block of more than the 1024 bytes that"
+    )
+    with pytest.raises(InvalidFile, match=f"DataArray: {told}"):
+        read_mesh(tmp_path / "part.vtu")
 
 
 @pytest.mark.parametrize(

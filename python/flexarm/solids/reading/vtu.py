@@ -7,7 +7,12 @@ any other array of whole numbers on cells is a group `ARRAY-NUMBER` for each num
 
 from __future__ import annotations
 
+import lzma
 import re
+import zlib
+from base64 import b64decode
+from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +20,7 @@ import numpy as np
 
 from flexarm.arrays import Ints
 from flexarm.errors import InvalidFile
+from flexarm.reading import room
 from flexarm.solids.reading.content import Content
 from flexarm.solids.reading.through_meshlane import blocks_of, read_by
 
@@ -29,6 +35,7 @@ def content(path: Path) -> Content:
 def _content(path: Path) -> Content:
     import meshlane
 
+    _refuse_swollen(path)
     mesh = meshlane.vtu.read(str(path))
     blocks = blocks_of(mesh)
     _refuse_losses(path, sum(len(block.data) for block in mesh.cells))
@@ -71,3 +78,67 @@ def _refuse_losses(path: Path, n_read: int) -> None:
     if pieces and int(pieces[0]) != n_read:
         what = f"{int(pieces[0]) - n_read} of {int(pieces[0])} cells are of types that cannot be read"
         raise InvalidFile(path, "Cells", what)
+
+
+def _refuse_swollen(path: Path) -> None:
+    """Refuse compressed arrays that unfold to more than they declare, or than such a file can hold.
+
+    An array is a header of whole numbers, then blocks: their count, the size of each, that of the last one if
+    it is another, and the compressed sizes of all. Source: "VTK XML Formats", section "Compressed data".
+    """
+    raw = path.read_bytes()
+    root = _attributes(re.search(rb"<VTKFile([^>]*)>", raw))
+    compressor: Callable[[], Any]
+    if root.get("compressor") == "vtkZLibDataCompressor":
+        compressor = zlib.decompressobj
+    elif root.get("compressor") == "vtkLZMADataCompressor":
+        compressor = lzma.LZMADecompressor
+    else:
+        return  # there is none, or one that the reader refuses
+    order = ">" if root.get("byte_order") == "BigEndian" else "<"
+    kind = np.dtype(f"{order}u{8 if root.get('header_type') == 'UInt64' else 4}")
+    appended = re.search(rb"<AppendedData([^>]*)>\s*_", raw)
+    total = 0
+    for array in re.finditer(rb"<DataArray([^>]*)>\s*([^<]*)", raw):
+        about, start = _attributes(array), array.start(2)
+        coded = True
+        if about.get("format") == "appended" and appended:
+            start = appended.end() + int(about["offset"])
+            coded = _attributes(appended).get("encoding") != "raw"
+        elif about.get("format") != "binary":
+            continue
+        header = _header(raw, start, kind, coded)
+        declared = [header[1]] * len(header[3:])
+        declared[-1:] = [header[2] or header[1]] if declared else []
+        total += sum(declared)
+        room(path, "DataArray", total)
+        ends = np.cumsum([0, *header[3:]], dtype=object).tolist()
+        body = _bytes(raw, start + _length(len(header) * kind.itemsize, coded), ends[-1], coded)
+        for (begin, end), size in zip(pairwise(ends), declared, strict=True):
+            if len(compressor().decompress(body[begin:end], size + 1)) > size:
+                what = f"holds a block of more than the {size} bytes that it declares"
+                raise InvalidFile(path, "DataArray", what)
+
+
+def _attributes(tag: re.Match[bytes] | None) -> dict[str, str]:
+    """Return the attributes in the first group of a match."""
+    found = re.findall(rb"""(\w+)\s*=\s*["']([^"']*)""", tag[1] if tag else b"")
+    return {name.decode(): value.decode(errors="replace") for name, value in found}
+
+
+def _length(count: int, coded: bool) -> int:
+    """Return how many characters so many bytes take."""
+    return 4 * -(-count // 3) if coded else count
+
+
+def _bytes(raw: bytes, start: int, count: int, coded: bool) -> bytes:
+    """Return bytes from a place of a file on, as many as are there."""
+    piece = raw[start : start + _length(count, coded)]
+    return b64decode(piece)[:count] if coded else piece
+
+
+def _header(raw: bytes, start: int, kind: Any, coded: bool) -> list[int]:
+    """Return the header of a compressed array."""
+    count = int(np.frombuffer(_bytes(raw, start, kind.itemsize, coded), kind)[0])
+    whole = _bytes(raw, start, (3 + count) * kind.itemsize, coded)
+    return np.frombuffer(whole, kind, min(3 + count, len(whole) // kind.itemsize)).tolist()  # type: ignore[no-any-return]
