@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import io
-import runpy
 import shutil
 import sys
 from math import cos, sin
 from pathlib import Path
+
+from campaign_runs import STATIC
+from right_files import MODEL, RESPONSES
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -40,23 +42,6 @@ MJCF = """<mujoco model="robot"><worldbody><body name="rod"><joint name="hinge" 
 ROBOT = """<robot name="one"><link name="stand"/><link name="rod"/><joint name="hinge" type="continuous">
   <parent link="stand"/><child link="rod"/><axis xyz="0 1 0"/></joint></robot>
 """
-STUDY = """format = "flexarm-study/1"
-run = "static"
-model = "arm.toml"
-joints = { hinge = 0.5 }
-[sampling]
-method = "random"
-n = 8
-seed = 3
-[[vary]]
-parameter = "payloads.load.mass"
-distribution = "uniform"
-low = 1.0
-high = 3.0
-[[keep]]
-quantity = "displacement"
-point = "tip"
-"""
 POSES = """format = "flexarm-record/1"
 kind = "static"
 drive = ["hinge"]
@@ -79,27 +64,6 @@ pose = "pose"
 channels = ["x", "z"]
 noise_std = 1e-4
 """
-RESPONSES = """format = "flexarm-record/1"
-kind = "frequency_response"
-joints = { hinge = 0.3 }
-[[signals]]
-name = "hammer"
-quantity = "force"
-point = "tip"
-axes = ["x"]
-[[signals]]
-name = "imu"
-quantity = "acceleration"
-point = "tip"
-axes = ["x"]
-input = "hammer"
-file = "frf.csv"
-frequency = "hz"
-channels = ["re", "im"]
-unit = "m/s2/N"
-coherence = "coherence"
-averages = 8
-"""
 
 
 def make(folder: Path) -> None:
@@ -117,8 +81,7 @@ def make(folder: Path) -> None:
     arm = str(example / "arm.toml")
     (folder / "drive.csv").write_text(DRIVE)
     (folder / "arm.urdf").write_text(URDF)
-    spoiled = runpy.run_path(str(ROOT / "tests" / "unit" / "conftest.py"))
-    (folder / "crane.toml").write_text(spoiled["MODEL"])
+    (folder / "crane.toml").write_text(MODEL)
     for name in ("three_joints.toml", "telescopic_crane.toml"):
         shutil.copy(ROOT / "examples" / name, folder / name)
     flexarm("simulate", arm, "--drive", str(folder / "drive.csv"), "--forces", "--out", str(folder / "run"))
@@ -150,7 +113,8 @@ def _beside_the_example(example: Path) -> None:
     _record(example / "poses", POSES, "poses.csv", "pose,hinge_rad,x,z", rows)
     rows = [(f, 0.01 * f, 0.1 / f, 0.99) for f in (0.5 * k for k in range(1, 41))]
     _record(example / "responses", RESPONSES, "frf.csv", "hz,re,im,coherence", rows)
-    for name, text in {"study.toml": STUDY, "robot.urdf": ROBOT, "robot.xml": MJCF}.items():
+    study = STATIC.replace("n = 50", "n = 8")
+    for name, text in {"study.toml": study, "robot.urdf": ROBOT, "robot.xml": MJCF}.items():
         (example / name).write_text(text)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from arms import TUBE, beam, compliance, hinge, point
 from numpy.typing import NDArray
+from right_files import RESPONSES
 
 import flexarm
 from flexarm.cli.run import run
@@ -13,31 +14,6 @@ from flexarm.record import Frame, Signal
 from flexarm.units import ratio_factor
 
 ANGLE, RATIO = 0.3, 120.0
-RECORD = """format = "flexarm-record/1"
-kind = "frequency_response"
-
-[joints]
-hinge = 0.3
-
-[[signals]]
-name = "hammer"
-quantity = "force"
-point = "tip"
-axes = ["x"]
-
-[[signals]]
-name = "imu"
-quantity = "acceleration"
-point = "tip"
-axes = ["x"]
-input = "hammer"
-file = "frf.csv"
-frequency = "hz"
-channels = ["re", "im"]
-unit = "m/s2/N"
-coherence = "coherence"
-averages = 8
-"""
 
 
 def arm(stiffness: float = 1e5) -> flexarm.Arm:
@@ -66,7 +42,7 @@ def mobility(model: flexarm.Arm) -> NDArray[np.complex128]:
 
 @pytest.fixture
 def folder(tmp_path):
-    (tmp_path / "record.toml").write_text(RECORD)
+    (tmp_path / "record.toml").write_text(RESPONSES)
     rng = np.random.default_rng(1)
     H = mobility(arm())
     coherence = 0.99
@@ -125,7 +101,7 @@ def test_a_record_is_read_saved_and_read_again(folder, tmp_path):
     ],
 )
 def test_what_cannot_be_is_an_error(folder, old, new, said):
-    (folder / "record.toml").write_text(RECORD.replace(old, new, 1))
+    (folder / "record.toml").write_text(RESPONSES.replace(old, new, 1))
     with pytest.raises(flexarm.InvalidFile) as error:
         flexarm.Record.load(folder)
     assert said in str(error.value)
