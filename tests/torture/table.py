@@ -19,6 +19,7 @@ BEGIN, END = "<!-- counts, written by make torture -->", "<!-- end of counts -->
 FIGURES = {
     "latency": "seconds from an interrupt to the end",
     "latency_cpu": "the same in seconds of CPU",
+    "early": "seconds where Python itself was starting",
     "torque at alpha 0": "error of torques at 2 ms, alpha 0, of the largest",
     "torque at alpha -0.05": "the same with alpha -0.05",
     "position at alpha 0": "error of positions at 2 ms, alpha 0, of the largest",

@@ -85,6 +85,8 @@ def interrupted(name: str, number: signal.Signals, seconds: float) -> dict[str, 
     used = after(process, seconds)
     sent = send(process, number)
     found = ended(process)
+    if "Traceback" in found.err and entries() == before:  # Python's own, before code of flexarm is loaded
+        return {"early": round(time.monotonic() - sent, 3)}
     values = {"latency": round(time.monotonic() - sent, 3), "latency_cpu": round(max(0, found.cpu - used), 3)}
     if found.code == 0 and entries() - before:  # it was done already
         whole(name)
