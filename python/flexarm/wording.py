@@ -20,8 +20,11 @@ if TYPE_CHECKING:
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _RAISED = str.maketrans("234", "²³⁴")
 _WITHOUT_PREFIX = ("", "-", "1", "kg", "kg m2", "Hz", "%")
-_FREE_OF_SIZE = ("m", "rad")
-"""Units that begin an expression such as m/s, whose prefix stays below one: 3 km/s is no speed of an arm."""
+_FREE_OF_SIZE = ("m", "rad", "s")
+"""Units that begin an expression such as m/s, whose prefix stays below one.
+
+Nobody says 3 km/s of an arm, or 3 ks.
+"""
 
 
 def scale(values: Iterable[float | None], unit: str) -> tuple[float, str]:
@@ -31,6 +34,8 @@ def scale(values: Iterable[float | None], unit: str) -> tuple[float, str]:
     ((1000.0, 'mm'), (0.001, 'kN m/rad'))
     >>> scale([3e-10], "m"), scale([6.5e-15], "m")
     ((1000000000.0, 'nm'), (1.0, 'm'))
+    >>> scale([1.4e6], "s")
+    (1.0, 's')
     """
     sizes = [abs(value) for value in values if value is not None and isfinite(value)]
     largest = max(sizes, default=0.0)
