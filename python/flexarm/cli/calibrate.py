@@ -85,7 +85,7 @@ def calibrate(
             progress=tell,
         )
 
-    found = fitted(model, records, hold_out, out, force, fit)
+    found = fitted(model, records, hold_out, out, force, fit, json)
     if json:
         print_json(found.to_json_dict())
     else:

@@ -56,7 +56,7 @@ def check(
     faults: Faults = []
     try:
         if records:
-            told, lines, faults = _beside(path, records, max_seconds)
+            told, lines, faults = _beside(path, records, max_seconds, json)
             warnings: list[Problem] = []
         else:
             told, lines, warnings, wrong = _reader(path)(path)
@@ -75,7 +75,7 @@ def check(
 
 
 def _beside(
-    path: Path, records: list[Path], max_seconds: float | None
+    path: Path, records: list[Path], max_seconds: float | None, json: bool
 ) -> tuple[dict[str, Any], list[str], Faults]:
     """Return records beside a model, and the sensors at fault.
 
@@ -85,7 +85,7 @@ def _beside(
         raise InvalidFile(path, "PATH", "is no model; records are checked beside one: check MODEL RECORD...")
     from flexarm.cli.check_records import check_records
 
-    return check_records(path, records, max_seconds)
+    return check_records(path, records, max_seconds, json)
 
 
 def _reader(path: Path) -> Callable[[Path], Told]:

@@ -18,7 +18,7 @@ Faults = list[tuple[Path, Problem]]
 
 
 def check_records(
-    model: Path, paths: list[Path], max_seconds: float | None = None
+    model: Path, paths: list[Path], max_seconds: float | None = None, json: bool = False
 ) -> tuple[dict[str, Any], list[str], Faults]:
     """Return the findings of the sensor check as a dictionary, as lines, and the faults.
 
@@ -36,7 +36,7 @@ def check_records(
     from flexarm.budget import limited
     from flexarm.validation.sensor_check import check
 
-    with blame_one_of(model, files, judged, arm), progress() as tell, limited(max_seconds):
+    with blame_one_of(model, files, judged, arm), progress(json) as tell, limited(max_seconds):
         found = check(arm, judged, progress=lambda done: tell(done, "simulating"))
     ready = found.usable and found.judged
     return _told(found), [found.summary(), *said, *([next_step] if ready else [])], _faults(found, files)

@@ -58,7 +58,7 @@ def plan(
     arm = load_arm(model)
     motions = {name: _motion(path, arm) for name, path in _names([*drive, *(more or ())]).items()}
     if out is None:
-        found = _planned(model, arm, motions, jobs)
+        found = _planned(model, arm, motions, jobs, json)
     else:
         from flexarm.input_files import input_files
         from flexarm.output import output_directory
@@ -67,7 +67,7 @@ def plan(
         records = {name: each for name, each in motions.items() if isinstance(each, Record)}
         read = input_files(model, arm, records)
         with output_directory(out, force, [*drive, *(more or ()), *read.values()]) as directory:
-            found = _planned(model, arm, motions, jobs)
+            found = _planned(model, arm, motions, jobs, json)
             found.write(directory)
     if json:
         print_json(found.to_json_dict())
@@ -77,9 +77,11 @@ def plan(
         print(f"\nwritten to {out}: open {out / 'plan.html'}")
 
 
-def _planned(model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: int | None) -> Plan:
+def _planned(
+    model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: int | None, json: bool
+) -> Plan:
     """Return the plan, which tells how far it is."""
-    with progress() as tell, blame(model):
+    with progress(json) as tell, blame(model):
         found: Plan = flexarm.plan(arm, motions, n_jobs=jobs, progress=tell)
     return found
 

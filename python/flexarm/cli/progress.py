@@ -1,4 +1,7 @@
-"""Progress of long work on standard error: a bar at a terminal, elsewhere a line now and then."""
+"""Progress of long work on standard error: a bar at a terminal, elsewhere a line now and then.
+
+A command that prints JSON tells its progress to a terminal alone.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +17,10 @@ SECONDS = 10.0
 
 
 @contextmanager
-def progress() -> Iterator[Tell]:
-    """Yield a function that tells how much is done and what is being done."""
+def progress(json: bool = False) -> Iterator[Tell]:
+    """Yield a function that tells how much is done and what is being done; `json` as the command's option."""
     if not sys.stderr.isatty():
-        yield lines()
+        yield (lambda done, what: None) if json else lines()
         return
     from flexarm.simulation.progress import bar
 

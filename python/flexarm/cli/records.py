@@ -53,6 +53,7 @@ def fitted(
     out: Path,
     force: bool,
     fit: Callable[[Arm, dict[str, Record], Record | None, Tell], Found],
+    json: bool = False,
 ) -> Found:
     """Fit a model to records but the one held out, and write what is found, traced to its files."""
     arm = load_arm(model)
@@ -65,7 +66,7 @@ def fitted(
 
     inputs = input_files(model, arm, read)
     with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
-        with blame_one_of(model, names, read, arm), progress() as tell:
+        with blame_one_of(model, names, read, arm), progress(json) as tell:
             found = fit(arm, training, held_out, tell)
         found = replace(found, provenance={**found.provenance, "inputs_sha256": hashes(inputs)})
         found.write(directory, model)

@@ -147,7 +147,9 @@ def reduce(
     else:
         refuse_for_meshes(order, mass_matrix, damping_matrix, tolerance)
         solid = solid_part(mesh, unit, material, merge, mass)
-        element = reduced(mesh, solid, interface, modes, max_frequency, damping_ratio, lumped, mass, recovery)
+        element = reduced(
+            mesh, solid, interface, modes, max_frequency, damping_ratio, lumped, mass, recovery, json
+        )
     with nullcontext() if picture is None else output_file(picture, inputs) as drawn:
         if drawn is not None and solid is not None:
             draw(solid, element, interface, drawn)

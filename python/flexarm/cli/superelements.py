@@ -53,6 +53,7 @@ def reduced(
     lumped: bool,
     mass: float | None,
     recovery: bool,
+    json: bool,
 ) -> SuperElement:
     """Return the part reduced to its interfaces."""
     from flexarm.cli.progress import progress
@@ -63,7 +64,7 @@ def reduced(
         known = ", ".join(solid.point_sets) or "none"
         what = f"is needed, NAME=SET; the mesh has the sets {known}"
         raise InvalidFile("command line", "--interface", what)
-    with blame(file), progress() as tell:
+    with blame(file), progress(json) as tell:
         return reduce_mesh(
             solid,
             pairs,

@@ -61,7 +61,8 @@ def test_the_page_the_file_and_the_figures_are_written(bench, tmp_path, capsys):
     assert {"name": "joint_compliance", "at": "hinge"}.items() <= report["effects"][0].items()
 
 
-def test_json_is_one_object_and_nothing_else(bench, capsys):
+def test_json_is_one_object_and_nothing_else_without_a_terminal(bench, capsys, monkeypatch):
+    monkeypatch.setattr("flexarm.cli.progress.SECONDS", 0.0)
     assert run(command(bench, "--json")) == 0
     told = capsys.readouterr()
     assert told.err == ""
