@@ -14,6 +14,7 @@ M^T y, their frame found anew, must cost less than y.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -37,7 +38,8 @@ def with_mirrors(
     kept = list(found)
     for signals in _groups(simulated):
         own = [each for each in kept if each.channel.signal.name in signals]
-        if {each.channel.signal.name for each in own} < signals.keys():
+        axes = Counter(each.channel.signal.name for each in own)
+        if any(axes[label] < len(signal.axes) for label, signal in signals.items()):
             continue  # too few readings
         mirrored = _mirrored(name, simulated, signals, [each.channel for each in own])
         if mirrored and total_cost(mirrored) < total_cost(own) - POLICY.clear_log_odds:

@@ -136,3 +136,21 @@ def test_two_columns_of_a_plane_that_are_exchanged_are_seen_where_the_frame_is_s
     exchanged = {**record.signals, "tip": tip.replace(values=tip.values[:, columns])}
     found = check(arm, {"run": record.replace(signals=exchanged)}, step=4e-3)
     assert sum("mirror" in fault.evidence for fault in found.faults) == seen
+
+
+def test_places_of_which_one_axis_is_all_but_missing_are_compared_without_them():
+    """Two places in one frame; one has but few readings along z."""
+    arm, t = crane(effects=[]), np.arange(0, 4, 0.01)
+    angle = 0.8 * np.sin(2 * np.pi * 0.3 * t) * smooth_step(t / 3)
+    run = flexarm.simulate(arm, flexarm.Drive.from_samples(t, {"hinge": angle}), step=4e-3)
+    place = {"quantity": "position", "point": "tip", "axes": ("x", "z"), "rate_hz": 20, "noise_std": 5e-5}
+    sensors = [
+        Sensor(name="hinge", quantity="joint_angle", joint="hinge", rate_hz=100, noise_std=1e-5),
+        *(Sensor(name=name, frame="tracker", **place) for name in ("tip", "half")),
+    ]
+    frames = {"tracker": Frame(translation=1e-3, rotation=5e-4)}
+    record = flexarm.measure(run, sensors, np.random.default_rng(1), drive=["hinge"], frames=frames)
+    tip, half = (record.signals[name].values[:, [1, 0]] for name in ("tip", "half"))
+    half[:-5, 1] = np.nan
+    found = check(arm, {"run": changed(changed(record, "tip", tip), "half", half)}, step=4e-3)
+    assert any("tip shows the model in a mirror" in fault.evidence for fault in found.faults)
