@@ -217,3 +217,16 @@ def test_a_diagnosis_refuses_it_and_says_what_takes_it(folder):
         flexarm.compare(arm(), record)
     with pytest.raises(flexarm.InvalidParameter, match="a frequency response does not move the arm"):
         flexarm.simulate(arm(), record)
+
+
+def test_frequencies_have_a_range(folder):
+    with pytest.raises(
+        flexarm.InvalidParameter, match=r"frequency_hz: must be at most 1e\+09 Hz, got 1e\+308"
+    ):
+        flexarm.linearise(arm()).frequency_response([1.0, 1e308])
+    text = (folder / "frf.csv").read_text().splitlines()
+    (folder / "frf.csv").write_text("\n".join([*text[:-1], f"1e308,{text[-1].partition(',')[2]}"]) + "\n")
+    with pytest.raises(
+        flexarm.InvalidFile, match=r"line 161, column hz: must lie within \+-1e\+09, got 1e\+308"
+    ):
+        flexarm.Record.load(folder)

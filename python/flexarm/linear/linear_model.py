@@ -19,6 +19,7 @@ from flexarm.linear.modal_form import NO_POLE
 from flexarm.netcdf import Contents
 from flexarm.reading import require
 from flexarm.result import Result, load, model_of, provenance
+from flexarm.tables.ranges import first_beyond, out_of_range
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,9 +82,14 @@ class LinearModel(Result):
         Raises
         ------
         InvalidParameter
-            If a frequency is that of an undamped pole, such as 0 with an acceleration as input.
+            If a frequency is out of range, or that of an undamped pole, such as 0 with an acceleration as
+            input.
         """
-        omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency_hz, dtype=float))
+        frequencies = np.atleast_1d(np.asarray(frequency_hz, dtype=float))
+        if at := first_beyond(frequencies, "Hz"):
+            what = out_of_range(float(frequencies[at]), "Hz", size=False)
+            raise InvalidParameter(str(what), where="frequency_hz")
+        omega = 2 * np.pi * frequencies
         one, B = np.eye(len(self.A)), self.B.astype(complex)
         try:
             found = [self.C @ np.asarray(np.linalg.solve(1j * w * one - self.A, B)) + self.D for w in omega]

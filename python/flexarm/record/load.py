@@ -115,6 +115,7 @@ class _Reader:
     def _frequency(self, table: SignalTable) -> Floats:
         """Return frequencies [Hz]; they must rise."""
         assert table.frequency is not None
+        self._check_range(table.file, table.frequency, "Hz", 1.0)
         found = self._column(table.file, table.frequency)
         csv, steps = self._files[table.file], np.diff(found, prepend=-1e-300)
         wrong = np.flatnonzero(~(steps > 0) | ~(found >= 0))
