@@ -324,6 +324,17 @@ def test_seedless_measurements_are_refused():
         measure(motion(), [], 1)
 
 
+def test_positions_along_two_axes_are_two_of_three():
+    frame = Registration(
+        (0.1, 0.2, -0.3), (0.02, 0.01, -0.03), (1, 2, 3), (0.3, -0.2, 1.0), (1e-3, 0, 2e-3), 1.001
+    )
+    base, elapsed = np.random.default_rng(3).normal(size=(5, 3)), np.arange(5.0)
+    np.testing.assert_allclose(
+        frame.positions(base, elapsed, [2, 0]), frame.positions(base, elapsed)[:, [2, 0]], rtol=1e-14
+    )
+    assert Registration().positions(base, elapsed, [1]).tolist() == base[:, [1]].tolist()
+
+
 def test_sensor_that_starts_too_late_is_named():
     with pytest.raises(InvalidParameter, match="'sensor' starts at 20 s, after the end of a run of 10 s"):
         noiseless(quantity="position", start=20.0)

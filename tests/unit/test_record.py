@@ -151,6 +151,17 @@ def test_arrays_of_a_record_cannot_be_changed(record_dir: Path) -> None:
         signal.time[0] = 1
 
 
+def test_rows_with_values_are_looked_for_once() -> None:
+    values = np.array([[1, np.nan], [2, 3], [np.nan, np.nan]])
+    signal = Signal(
+        name="tip", quantity="position", point="tip", axes=("x", "z"), time=np.arange(3), values=values
+    )
+    assert signal.valid.tolist() == [False, True, False]
+    assert signal.valid is signal.valid
+    with pytest.raises(ValueError, match="read-only"):
+        signal.valid[0] = True
+
+
 def test_a_signal_does_not_follow_the_array_it_was_made_of() -> None:
     values = np.zeros(3)
     signal = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=np.arange(3), values=values)

@@ -32,7 +32,8 @@ class Pose:
 
     def moved(self, rotation: Floats, translation: Floats) -> Pose:
         """Return this pose times a pose in its own axes."""
-        return Pose(self.R @ rotation, self.x + self.R @ translation)
+        turned = self.R if np.array_equal(rotation, IDENTITY) else self.R @ rotation
+        return Pose(turned, self.x + self.R @ translation if np.any(translation) else self.x)
 
     def of_point(self, position: Floats) -> Floats:
         """Return the positions in the base of a point given in this frame, shape (m, 3)."""
@@ -80,7 +81,7 @@ def link_pose(arm: Any, link: str, values: Mapping[str, Floats], base: Any = IDE
             where="joints",
         )
     count = max((np.size(values.get(joint.name, 0.0)) for joint in joints), default=1)
-    pose = Pose(np.broadcast_to(np.asarray(base), (count, 3, 3)), np.zeros((count, 3)))
+    pose = Pose(np.reshape(base, (-1, 3, 3)), np.zeros((1, 3)))  # one until a joint has many values
     for joint in joints:
         pose = _moved_by(
             joint_frame(arm, joint, _at(pose, place_in_link(arm, joint.parent))),
@@ -88,7 +89,8 @@ def link_pose(arm: Any, link: str, values: Mapping[str, Floats], base: Any = IDE
             np.asarray(values.get(joint.name, 0.0), dtype=float),
         )
         pose = _at(pose, inverted(*place_in_link(arm, joint.child)))
-    return _at(pose, place_in_link(arm, link))
+    pose = _at(pose, place_in_link(arm, link))
+    return Pose(np.broadcast_to(pose.R, (count, 3, 3)), np.broadcast_to(pose.x, (count, 3)))
 
 
 def point_jacobian(arm: Any, joint: str, point: str, values: Mapping[str, Floats]) -> Floats:
@@ -119,10 +121,10 @@ def _moved_by(pose: Pose, joint: Any, value: Floats) -> Pose:
         return pose
     axis = np.asarray(joint.axis, dtype=float)
     axis = axis / np.linalg.norm(axis)
-    q = np.broadcast_to(value, len(pose.x))[:, None]
+    q = np.atleast_1d(value)
     if joint.type == "prismatic":
-        return Pose(pose.R, pose.x + q * (pose.R @ axis))
-    return Pose(pose.R @ turns(axis, q[:, 0]), pose.x)
+        return Pose(pose.R, pose.x + q[:, None] * (pose.R @ axis))
+    return Pose(pose.R @ turns(axis, q), pose.x)
 
 
 def turns(axis: Floats, angle: Floats) -> Floats:

@@ -166,16 +166,19 @@ class _WeightedResiduals:
         parts = [(values - self.centre) / self.sigma]
         for signal, out in zip(self.signals, self.out, strict=True):
             # held beyond its end: no row may escape from (1) by leaving the run
-            residual = self.simulated.residual(signal, placement, hold=True) / self.simulated.noise(signal)
-            parts.append(np.where(out[:, None], 0.0, residual).ravel())
-        found: Floats = np.nan_to_num(np.concatenate(parts))
+            residual = self.simulated.residual(signal, placement, hold=True)
+            residual /= self.simulated.noise(signal)
+            residual[out] = 0.0
+            parts.append(residual.ravel())
+        found: Floats = np.concatenate(parts)
+        found[np.isnan(found)] = 0.0
         return found
 
     def effective_parameters(self, jacobian: Floats) -> tuple[EffectiveParameters, ...]:
         """Return the effective parameters of each clock and frame; the first rows are priors."""
-        of_readings = jacobian[len(self.sigma) :] * _scales(self.parameters)
-        square = of_readings.T @ of_readings
-        prior = np.diag((_scales(self.parameters) / self.sigma) ** 2)
+        of_readings, scale = jacobian[len(self.sigma) :], _scales(self.parameters)
+        square = (of_readings.T @ of_readings) * np.outer(scale, scale)
+        prior = np.diag((scale / self.sigma) ** 2)
         share = np.diag(np.linalg.pinv(square + prior, rcond=FIRM, hermitian=True) @ square)
         found = []
         for place in dict.fromkeys(each.place for each in self.parameters):
@@ -187,13 +190,15 @@ class _WeightedResiduals:
 
 
 def _jacobian(rows: _WeightedResiduals, values: Floats, parameters: list[AlignmentParameter]) -> Floats:
-    """Return central differences of the residuals with respect to the parameters."""
+    """Return central differences of the residuals with respect to the parameters, column by column."""
     columns = []
     for i, each in enumerate(parameters):
         step = np.zeros(len(parameters))
         step[i] = each.step
-        columns.append((rows(values + step) - rows(values - step)) / (2 * each.step))
-    return np.stack(columns, axis=1)
+        columns.append(rows(values + step))
+        columns[i] -= rows(values - step)
+        columns[i] /= 2 * each.step
+    return np.stack(columns).T
 
 
 def _least_squares(
@@ -201,10 +206,9 @@ def _least_squares(
 ) -> tuple[Floats, Floats]:
     """Return the least-squares step and standard deviations; undetermined parameters keep their priors'."""
     scale = _scales(parameters)
-    scaled = jacobian * scale
-    squares, axes = np.linalg.eigh(scaled.T @ scaled)
+    squares, axes = np.linalg.eigh((jacobian.T @ jacobian) * np.outer(scale, scale))
     firm = squares > FIRM * squares[-1]
-    step = axes[:, firm] @ ((axes[:, firm].T @ (scaled.T @ right)) / squares[firm])
+    step = axes[:, firm] @ ((axes[:, firm].T @ (scale * (jacobian.T @ right))) / squares[firm])
     variance = np.sum(axes[:, firm] ** 2 / squares[firm], axis=1)
     loose = np.sum(axes[:, ~firm] ** 2, axis=1) > 1e-3
     prior = np.array([each.sigma for each in parameters])

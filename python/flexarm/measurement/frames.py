@@ -11,6 +11,7 @@ the stated pose left out, (1) is the effects `frame_registration`, `frame_drift`
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -87,14 +88,20 @@ class Registration:
         given = (self.translation, self.rotation, self.origin, self.rpy, self.velocity)
         return self.scale == 1 and not any(number for vector in given for number in vector)
 
-    def positions(self, base: Floats, elapsed: Floats | float = 0.0) -> Floats:
-        """Return positions as measured, eq. (1), from those in the base, shape (n, 3); `elapsed` [s] is s."""
+    def positions(
+        self, base: Floats, elapsed: Floats | float = 0.0, axes: Sequence[int] = (0, 1, 2)
+    ) -> Floats:
+        """Return positions as measured along some axes, eq. (1), from those in the base, shape (n, 3).
+
+        `elapsed` [s] is s.
+        """
         if self.is_base:
-            return base
-        shifted = base @ self.error_rotation.T + (np.asarray(self.translation) - np.asarray(self.origin))
+            return base[:, axes]
+        along = self.scale * self.frame_axes[:, axes]
+        measured: Floats = base @ (self.error_rotation.T @ along)
+        measured += (np.asarray(self.translation) - np.asarray(self.origin)) @ along
         if any(self.velocity):
-            shifted = shifted + np.multiply.outer(elapsed, np.asarray(self.velocity))
-        measured: Floats = self.scale * (shifted @ self.frame_axes)
+            measured += np.multiply.outer(elapsed, np.asarray(self.velocity) @ along)
         return measured
 
     def orientations(self, base: Floats) -> Floats:

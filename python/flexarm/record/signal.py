@@ -223,10 +223,12 @@ class Signal:
         square = np.clip(self.coherence, 1e-12, 1.0)[:, None]
         return np.abs(self.response) * np.sqrt((1 - square) / (2 * self.averages * square))
 
-    @property
+    @cached_property
     def valid(self) -> NDArray[np.bool_]:
         """Rows of which every channel holds a value, shape (n,)."""
-        return np.asarray(np.isfinite(self.values).all(axis=1))
+        found: NDArray[np.bool_] = np.logical_and.reduce([np.isfinite(column) for column in self.values.T])
+        found.setflags(write=False)
+        return found
 
     @property
     def empty(self) -> tuple[str, ...]:

@@ -256,17 +256,15 @@ class Channel:
 
     def robust_residual(self) -> Floats:
         """Return the residual of the regression without priors and without the worst tenth of the rows."""
-        A = np.column_stack([self.predicted, self.regressors])
-        A = A / np.maximum(np.linalg.norm(A, axis=0), 1e-300)
-        squares, axes = np.linalg.eigh(A.T @ A)
-        firm = squares > 1e-14 * squares[-1]  # the others differ by rounding
-        Q = A @ (axes[:, firm] / np.sqrt(squares[firm]))  # orthonormal over all rows, nearly so over most
-        rows: slice | NDArray[np.bool_] = slice(None)
+        Q = orthonormal_columns(np.column_stack([self.predicted, self.regressors]))
+        squares, along = Q.T @ Q, Q.T @ self.measured  # of most rows: of all, less those left out
+        left_out: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
         for _ in range(3):
-            kept = Q[rows]
-            x = np.linalg.lstsq(kept.T @ kept, kept.T @ self.measured[rows], rcond=1e-15)[0]
+            few, y = Q[left_out], self.measured[left_out]
+            x = np.linalg.lstsq(squares - few.T @ few, along - few.T @ y, rcond=1e-15)[0]
             found = self.measured - Q @ x
-            rows = np.abs(found) <= np.quantile(np.abs(found), 0.9)
+            size = np.abs(found)
+            left_out = np.flatnonzero(size > np.quantile(size, 0.9))
         return np.asarray(found)
 
     def select(self, keep: NDArray[np.bool_]) -> Channel:
@@ -276,6 +274,16 @@ class Channel:
             for key in ("rows", "time", "measured", "predicted", "regressors", "driven")
         }
         return replace(self, **arrays)
+
+
+def orthonormal_columns(A: Floats) -> Floats:
+    """Return orthonormal columns that span those of A, without directions that are rounding."""
+    squares = A.T @ A
+    length = np.sqrt(np.diag(squares))
+    length[length == 0] = 1.0
+    sizes, axes = np.linalg.eigh(squares / np.outer(length, length))
+    firm = sizes > 1e-14 * sizes[-1]
+    return np.asarray(A @ (axes[:, firm] / length[:, None] / np.sqrt(sizes[firm])))
 
 
 def missed_share(signal: Signal) -> float:

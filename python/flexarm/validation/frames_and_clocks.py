@@ -102,6 +102,8 @@ class _Pose:
 
 def remarks_on_shared_frames(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
     """Report frames of one name that are not the same in two records."""
+    if len(simulations) < 2:
+        return
     placements = {name: initial_alignment(simulated) for name, simulated in simulations.items()}
     names = dict.fromkeys(name for simulated in simulations.values() for name in simulated.record.frames)
     for frame in names:

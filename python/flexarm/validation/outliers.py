@@ -151,10 +151,10 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     """
     found = np.zeros(len(residual), dtype=bool)
     rows, off, usual = deviation_from_median(residual)
-    if not len(rows):
+    least = np.maximum(POLICY.spike_noises * noise, POLICY.spike_spread * usual)
+    if not np.any(np.abs(off) > least):  # what most signals are spared
         return found
     size = np.minimum(np.abs(off), deviation_from_parabolas(residual[rows]))
-    least = np.maximum(POLICY.spike_noises * noise, POLICY.spike_spread * usual)
     far = np.flatnonzero(np.any(size > least, axis=1))
     limit = np.maximum(least, NEARBY * nearby(size, far))
     limit[(far < 2) | (far >= len(rows) - 2)] *= POLICY.edge_ratio

@@ -36,7 +36,7 @@ from flexarm.record import Record, Signal
 from flexarm.record.compatibility import implausible_values
 from flexarm.record.plausibility import INPUTS, unit_problems
 from flexarm.record.time_unit import mismatched_durations
-from flexarm.validation.channel import QUASI_STATIC, Channel
+from flexarm.validation.channel import QUASI_STATIC, Channel, orthonormal_columns
 from flexarm.validation.policy import POLICY
 from flexarm.wording import listed
 
@@ -128,10 +128,9 @@ def remarks_on_clocks(
 def _step(channel: Channel) -> tuple[float, float, float, str]:
     """Return the share of squares that a delay step explains, the step [s], its time, the channel."""
     rate = channel.regressors[:, -1]  # of a place or angle the last column is -dp/dt
-    A = np.column_stack([channel.predicted, channel.regressors])
-    A = A[:, np.any(A != 0, axis=0)]
-    Q = np.linalg.qr(A)[0]
+    Q = orthonormal_columns(np.column_stack([channel.predicted, channel.regressors]))
     e = channel.measured - Q @ (Q.T @ channel.measured)
+    e -= Q @ (Q.T @ e)
     whole = float(e @ e) or 1.0
     instants = np.linspace(channel.time[0], channel.time[-1], POLICY.clock_step_times + 2)[2:-2]
     first = np.searchsorted(channel.time, instants, side="right")
