@@ -8,6 +8,8 @@ from log_files import ANGLE, FORMATS, JOINTS, POSE, TIME, TIP, N, map_of, ros_1
 
 import flexarm
 from flexarm import InvalidFile
+from flexarm.importing.c3d import C3dFile
+from flexarm.importing.map_file import Dialect
 
 
 @pytest.mark.parametrize("name", FORMATS)
@@ -304,3 +306,18 @@ def test_pictures_in_a_bag_are_neither_fields_nor_kept(storage, tmp_path):
     assert fields == {"/joint_states": ("position[shoulder]",)}
     assert len(read.values) == 2000
     assert most < 14e6  # of 20 MB; definitions of messages take 8 MB
+
+
+def test_a_c3d_file_whose_parameters_overlap_is_refused(tmp_path):
+    """The library that reads such files would end the program; the way to the next one is in any file."""
+    FORMATS["log.c3d"][0](tmp_path / "log.c3d")
+    raw = (tmp_path / "log.c3d").read_bytes()
+    at = raw.index(b"DESCRIPTIONS") + 15  # type, then the count of dimensions
+    (tmp_path / "log.c3d").write_bytes(raw[:at] + b"\x00\xff" + raw[at:])
+    with pytest.raises(
+        InvalidFile, match=r"parameter DESCRIPTIONS: holds \d+ bytes, the next one follows after 7"
+    ):
+        C3dFile(tmp_path / "log.c3d", Dialect(), [])
+    (tmp_path / "log.c3d").write_bytes(raw[:600])
+    with pytest.raises(InvalidFile, match="are cut off"):
+        C3dFile(tmp_path / "log.c3d", Dialect(), [])
