@@ -426,6 +426,17 @@ def test_columns_that_never_change_are_no_signals_and_numbers_name_joints(logs):
     assert '"vel pan": may be joint_rate, always 0' in text
 
 
+def test_a_damaged_number_is_a_drop_out(logs):
+    """Its square would be infinite."""
+    whole = guessed(logs, "robot.csv", "tracker.csv")[0]["signals"]
+    lines = (logs / "robot.csv").read_text().splitlines()
+    cells = lines[len(lines) // 2].split(";")
+    lines[len(lines) // 2] = ";".join([cells[0], "1e300", *cells[2:]])
+    (logs / "robot.csv").write_text("\n".join(lines) + "\n")
+    found = guessed(logs, "robot.csv", "tracker.csv", out="again.toml")[0]["signals"]
+    assert [each["columns"] for each in found] == [each["columns"] for each in whole]
+
+
 @pytest.mark.parametrize(
     ("columns", "form", "seconds"),
     [

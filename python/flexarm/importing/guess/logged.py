@@ -161,9 +161,11 @@ def _rows(
     stamps: Stamped,
     where: tuple[tuple[str, str], ...],
 ) -> list[Logged]:
+    most = 1e60  # what is beyond is damage, a drop-out here; squares of less do not overflow
+    sound = {name: np.where(np.abs(values) <= most, values, np.nan) for name, values in arrays.items()}
     return [
         Logged(named, group.topic, column, values, stamps, counted(meaning, values), where)
-        for column, values in arrays.items()
+        for column, values in sound.items()
         if column != stamps.column and len(values) == len(stamps.seconds) and np.isfinite(values).any()
         for meaning in [_meaning(group, column, units.get(column, ""))]
     ]
