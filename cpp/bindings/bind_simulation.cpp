@@ -10,9 +10,11 @@
 #include "flexarm/simulation/differentiated_sampled_run.hpp"
 #include "flexarm/simulation/modal.hpp"
 #include "flexarm/simulation/modal_derivative.hpp"
+#include "flexarm/simulation/motion_samples.hpp"
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/sampled_run.hpp"
 #include "flexarm/simulation/side_by_side.hpp"
+#include "flexarm/simulation/spline_fit.hpp"
 #include "flexarm/simulation/transient.hpp"
 
 namespace py = pybind11;
@@ -210,6 +212,18 @@ void bind_transient(py::module_& m) {
           "Value and two derivatives.", py::arg("t"));
   m.def("cubic_spline", &cubic_spline, "Coefficients of the not-a-knot spline through samples.", py::arg("x"),
         py::arg("y"));
+  m.def(
+      "spline_equations",
+      [](const SampleRef& time, const SampleRef& values, const BreakRef& breaks) {
+        auto found = spline_equations(time, values, breaks);
+        return std::pair(std::move(found.band), std::move(found.right));
+      },
+      "Normal equations of a cubic least-squares spline: lower band and right side.", py::arg("time"),
+      py::arg("values"), py::arg("breaks"));
+  m.def("sample_motion", &sample_motion, "Values of a motion at any instants, by cubics between its steps.",
+        py::arg("time"), py::arg("values"), py::arg("rates"), py::arg("instants"), py::arg("early"));
+  m.def("spline_values", &spline_values, "Values of a cubic spline at its samples.", py::arg("time"),
+        py::arg("breaks"), py::arg("coefficients"));
   py::class_<HhtStatistics>(m, "HhtStatistics", "Counts of a run.")
       .def_readonly("steps", &HhtStatistics::steps)
       .def_readonly("iterations", &HhtStatistics::iterations)

@@ -1,11 +1,14 @@
 /// @file
 /// flexarm._core: the C++ core as Python sees it. Each folder of the core binds itself in its own bind_*.cpp.
+#include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include "bindings.hpp"
 #include "flexarm/build_info.hpp"
 #include "flexarm/errors.hpp"
 #include "flexarm/interrupt.hpp"
+#include "flexarm/number_rows.hpp"
 
 namespace py = pybind11;
 
@@ -58,6 +61,9 @@ PYBIND11_MODULE(_core, m) {
   py::register_exception_translator(&translate);
   flexarm::set_interrupt_check(&check_signals);
   bind_build_info(m);
+  m.def("number_rows", &flexarm::number_rows,
+        "Numbers of some columns of rows of text; None if one is no number.", py::arg("text"),
+        py::arg("cells"), py::arg("columns"));
   bind_geometry(m);
   bind_joints(m);
   bind_model(m);

@@ -100,18 +100,22 @@ __all__: list[str] = [
     "moment",
     "motor_torques",
     "moved",
+    "number_rows",
     "point_reading",
     "rectangle_section",
     "reduce_part",
     "released",
     "released_derivative",
     "round_section",
+    "sample_motion",
     "section_forces",
     "simulate",
     "simulate_differentiated",
     "simulate_side_by_side",
     "smallest_jacobians",
     "snapshots",
+    "spline_equations",
+    "spline_values",
     "static_derivative",
     "static_equilibrium",
     "stresses",
@@ -1469,6 +1473,15 @@ def moved(
     The state moved along its derivative by an amount of the k-th parameter.
     """
 
+def number_rows(
+    text: str,
+    cells: typing.SupportsInt | typing.SupportsIndex,
+    columns: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"] | None:
+    """
+    Numbers of some columns of rows of text; None if one is no number.
+    """
+
 def point_reading(
     system: System, state: State, point: typing.SupportsInt | typing.SupportsIndex
 ) -> tuple[
@@ -1515,6 +1528,17 @@ def released_derivative(held: System, derivative: StateDerivative, system: Syste
 def round_section(diameter: typing.SupportsFloat | typing.SupportsIndex) -> Section:
     """
     Section of a solid rod.
+    """
+
+def sample_motion(
+    time: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
+    values: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    rates: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    instants: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
+    early: typing.SupportsFloat | typing.SupportsIndex,
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+    """
+    Values of a motion at any instants, by cubics between its steps.
     """
 
 def section_forces(
@@ -1568,6 +1592,27 @@ def smallest_jacobians(
 def snapshots(system: System, states: collections.abc.Sequence[State], loads: Loads) -> Snapshots:
     """
     What a run would have recorded in these states.
+    """
+
+def spline_equations(
+    time: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
+    values: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
+    breaks: typing.Annotated[numpy.typing.NDArray[numpy.int64], "[m, 1]"],
+) -> tuple[
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"],
+    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
+]:
+    """
+    Normal equations of a cubic least-squares spline: lower band and right side.
+    """
+
+def spline_values(
+    time: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
+    breaks: typing.Annotated[numpy.typing.NDArray[numpy.int64], "[m, 1]"],
+    coefficients: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"],
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    """
+    Values of a cubic spline at its samples.
     """
 
 def static_derivative(

@@ -40,6 +40,32 @@ def test_columns_do_not_depend_on_the_length_of_a_block(tmp_path, monkeypatch, b
     np.testing.assert_array_equal(found, expected)
 
 
+def test_the_core_reads_what_rows_hold_one_by_one(tmp_path, monkeypatch):
+    cells = [
+        "1",
+        " +2.5e-3 ",
+        "-0.",
+        ".5",
+        "5.",
+        "1E5",
+        "",
+        " ",
+        "NaN",
+        "+nan",
+        "0.1",
+        "5e-324",
+        "1.7976931348623157e308",
+    ]
+    cells += [
+        repr(float(x)) for x in np.random.default_rng(7).normal(size=200) * 10.0 ** np.arange(-100, 100)
+    ]
+    path = tmp_path / "run.csv"
+    path.write_text("time_s,angle\n" + "".join(f"{k},{cell}\n" for k, cell in enumerate(cells)))
+    fast = CsvFile(path)._fast([1])
+    monkeypatch.setattr(CsvFile, "_fast", lambda self, where: None)
+    np.testing.assert_array_equal(fast, CsvFile(path).numbers(["angle"]))
+
+
 @pytest.mark.parametrize(
     "row, what",
     [

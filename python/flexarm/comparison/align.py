@@ -94,14 +94,15 @@ def align(simulated: SimulatedRecord, start: Placement) -> Alignment:
         return Alignment(start, outliers=out)
     rows = _WeightedResiduals(simulated, start, parameters, out)
     values = np.array([each.centre for each in parameters])
-    residual, jacobian = rows(values), _jacobian(rows, values, parameters)
+    residual = rows(values)
+    jacobian = _jacobian(rows, values, parameters, len(residual))
     for _ in range(iterations):
         change = _least_squares(jacobian, -residual, parameters)[0]
         values, residual, moved = _line_search(rows, values, residual, change)
         scaled = np.abs(moved) / [each.step for each in parameters]
         if scaled.max() < 1e-3:
             break
-        jacobian = _jacobian(rows, values, parameters)
+        jacobian = _jacobian(rows, values, parameters, len(residual))
     std = _least_squares(jacobian, residual, parameters)[1]
     found = move_placement(start, parameters, values)
     return Alignment(found, tuple(parameters), values, std, out, rows.effective_parameters(jacobian))
@@ -189,16 +190,17 @@ class _WeightedResiduals:
         return tuple(found)
 
 
-def _jacobian(rows: _WeightedResiduals, values: Floats, parameters: list[AlignmentParameter]) -> Floats:
-    """Return central differences of the residuals with respect to the parameters, column by column."""
-    columns = []
+def _jacobian(
+    rows: _WeightedResiduals, values: Floats, parameters: list[AlignmentParameter], count: int
+) -> Floats:
+    """Return central differences of `count` residuals with respect to the parameters, column by column."""
+    found = np.empty((len(parameters), count))
     for i, each in enumerate(parameters):
         step = np.zeros(len(parameters))
         step[i] = each.step
-        columns.append(rows(values + step))
-        columns[i] -= rows(values - step)
-        columns[i] /= 2 * each.step
-    return np.stack(columns).T
+        np.subtract(rows(values + step), rows(values - step), out=found[i])
+        found[i] /= 2 * each.step
+    return found.T
 
 
 def _least_squares(

@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm import _core
 from flexarm.arrays import Floats
 
 if TYPE_CHECKING:
@@ -59,18 +60,14 @@ def fit_spline(
 
     at = time[breaks]
     knots = np.concatenate([np.repeat(at[0], DEGREE), at, np.repeat(at[-1], DEGREE)])
-    # SciPy looks for samples beyond the knots one by one; there are none, so it need not.
-    design = BSpline.design_matrix(time, knots, DEGREE, extrapolate=True)
-    rows = design.data.reshape(-1, DEGREE + 1).T  # the four that are not zero at a sample
-    first = design.indices[:: DEGREE + 1]
-    band, right = _normal_equations(rows, np.searchsorted(first, np.arange(len(at) - 1)), values)
+    band, right = _core.spline_equations(time, values, breaks)
     if penalty is not None:
         band = _penalised(band, knots, penalty)  # eq. (3)
     unknown = _unknown(len(right), at_rest, equal)
     if unknown[-1] + 1 < len(right):
         band, right = _reduced(band, right, unknown)
     coefficients = solveh_banded(band, right, lower=True, check_finite=False)[unknown]  # eq. (2)
-    return BSpline(knots, coefficients, DEGREE), design @ coefficients
+    return BSpline(knots, coefficients, DEGREE), _core.spline_values(time, breaks, coefficients)
 
 
 def constant_in(intervals: Iterable[int]) -> frozenset[int]:
@@ -101,18 +98,6 @@ def _reduced(band: Floats, right: Floats, unknown: Indices) -> tuple[Floats, Flo
             onto = row == unknown[column]
             np.add.at(fewer[0], unknown[column][onto], lower[onto])
     return fewer, less
-
-
-def _normal_equations(rows: Floats, interval_start: Indices, values: Floats) -> tuple[Floats, Floats]:
-    """Return B^T B as a lower band and B^T y of (1), summed interval by interval."""
-    intervals = len(interval_start)
-    band = np.zeros((DEGREE + 1, intervals + DEGREE))
-    right = np.zeros(intervals + DEGREE)
-    for i in range(DEGREE + 1):
-        right[i : i + intervals] += np.add.reduceat(rows[i] * values, interval_start)
-        for j in range(i, DEGREE + 1):
-            band[j - i, i : i + intervals] += np.add.reduceat(rows[i] * rows[j], interval_start)
-    return band, right
 
 
 def _penalised(band: Floats, knots: Floats, penalty: Floats) -> Floats:

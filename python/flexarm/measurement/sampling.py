@@ -17,17 +17,13 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flexarm import _core
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 
 EARLY = 0.05
 """Time before its first step in which a motion keeps its first rate [s]: clocks are late by less."""
-
-
-MANY = 100_000
-"""Instants from which SciPy's evaluation saves more than its import takes."""
 
 
 class CannotMeasure(InvalidParameter):
@@ -79,47 +75,10 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
 
     After the last step they are NaN; before the first one its value, for up to `EARLY` with its rate.
     """
-    if np.array_equal(instants, time):
-        return values.copy()
-    if len(time) < 2:
-        return np.where(_column(instants <= time[-1], values), values[0], np.nan)
-    inside = np.clip(instants, time[0], time[-1])
-    dense = len(instants) > max(len(time), MANY)
-    last = len(time) - 2
-    k = np.arange(last + 1) if dense else np.clip(np.searchsorted(time, inside, side="right") - 1, 0, last)
-    v_0, v_1 = (_slope(time, values, at) if rates is None else rates[at] for at in (k, k + 1))
-    h, jump = _column(time[k + 1] - time[k], values), values[k + 1] - values[k]
-    d, c = (v_0 + v_1 - 2 * jump / h) / h**2, (3 * jump / h - 2 * v_0 - v_1) / h  # eq. (1), by powers of t
-    if dense:
-        from scipy.interpolate import PPoly
-
-        found = PPoly.construct_fast(np.stack([d, c, v_0, values[k]]), time)(inside)
-    else:
-        t = _column(inside - time[k], values)
-        found = ((d * t + c) * t + v_0) * t + values[k]
-    found[inside == time[-1]] = values[-1]  # to the last digit, as at the other instants of the run
-    if rates is not None:
-        found = found + _column(np.clip(instants - time[0], -EARLY, 0.0), values) * rates[0]
-    late = instants > time[-1] + 1e-9 * max(1.0, abs(float(time[-1])))
-    return np.where(_column(late, values), np.nan, found)
-
-
-def _slope(time: Floats, values: Floats, i: NDArray[np.intp]) -> Floats:
-    """Return differences at steps i alone, central and exact of a parabola; one-sided at both ends."""
-    if len(time) < 3:
-        return np.asarray(np.gradient(values, time, axis=0)[i])
-    j = np.clip(i, 1, len(time) - 2)  # the middle one of three
-    h_0, h_1 = _column(time[j] - time[j - 1], values), _column(time[j + 1] - time[j], values)
-    v_0, v_1 = (values[j] - values[j - 1]) / h_0, (values[j + 1] - values[j]) / h_1
-    at = _column(i - j, values)
-    inside = (h_1 * v_0 + h_0 * v_1) / (h_0 + h_1)
-    found: Floats = np.where(at == 0, inside, np.where(at < 0, v_0, v_1))
-    return found
-
-
-def _column(values: NDArray[Any], like: Floats) -> NDArray[Any]:
-    """Return `values` with as many trailing axes as `like` has beyond its first."""
-    return values.reshape(-1, *[1] * (like.ndim - 1))
+    columns = values.reshape(len(values), -1)
+    slopes = columns[:0] if rates is None else rates.reshape(columns.shape)
+    found: Floats = _core.sample_motion(time, columns, slopes, instants, EARLY)
+    return found.reshape(len(instants), *values.shape[1:])
 
 
 def stored(simulation: Any, name: str, what: Described) -> Floats:

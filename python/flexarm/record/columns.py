@@ -3,8 +3,8 @@
 The first line that is not a comment names the columns. Lines that start with `#` are comments, empty lines
 are skipped, empty cells and `nan` are drop-outs.
 
-NumPy's reader takes the file block by block, so that memory holds the columns and one block. Where it refuses
-a cell, the file is read once more, row by row, by the rules of this page.
+The core reads the file block by block, so that memory holds the columns and one block. Where it meets a cell
+that is no plain number, the file is read once more, row by row, by the rules of this page.
 """
 
 from __future__ import annotations
@@ -13,12 +13,13 @@ import csv
 import io
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from itertools import chain, islice, repeat
+from itertools import islice
 from pathlib import Path
 from typing import TextIO
 
 import numpy as np
 
+from flexarm import _core
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.tables.toml import read_text
@@ -120,33 +121,26 @@ class CsvFile:
         return values
 
     def _fast(self, where: list[int]) -> Floats | None:
-        """Return the columns by NumPy's reader, or None where a cell needs a closer look."""
+        """Return the columns as the core reads them, or None where a cell needs a closer look."""
+        blocks = []
         try:
             with self._open() as file:
                 for _ in range(self._header_line):
                     file.readline()
-                blocks = iter(lambda: file.read(_BLOCK) + file.readline(), "")
-                lines = chain.from_iterable(map(self._lines, blocks))
-                values = np.loadtxt(lines, delimiter=",", usecols=where, comments=None, ndmin=2)
-        except ValueError:
+                while text := file.read(_BLOCK) + file.readline():
+                    rows = _core.number_rows(text, len(self.header), where)
+                    if rows is None:
+                        return None
+                    blocks.append(rows)
+        except UnicodeDecodeError:
             return None
-        return np.asarray(values, dtype=float)
-
-    def _lines(self, block: str) -> list[str]:
-        """Return the rows of a block of lines, `nan` in empty cells.
-
-        Raise ValueError if a row is not as long as the header, as far as its commas tell.
-        """
-        commas = len(self.header) - 1
-        block = block.removesuffix("\n")
-        lines = block.split("\n")
-        if set(map(str.count, lines, repeat(","))) != {commas} or "#" in block:
-            lines = list(filter(_says_something, lines))
-            if not set(map(str.count, lines, repeat(","))) <= {commas}:
-                raise ValueError("rows differ in their number of cells")
-            block = "\n".join(lines)
-        filled = _filled(block)
-        return lines if filled is block else filled.split("\n")
+        end = sum(map(len, blocks))
+        values = np.empty((len(where), end))
+        while blocks:  # from the end, so that each block gives its memory back
+            rows = blocks.pop()
+            values[:, end - len(rows) : end] = rows.T
+            end -= len(rows)
+        return values.T
 
     def _rows(self) -> Iterator[tuple[int, list[str]]]:
         """Line numbers and cells, all rows as long as the header."""
@@ -184,14 +178,3 @@ def _says_something(line: str) -> bool:
     """Return True if a line is neither empty nor a comment."""
     words = line.strip()
     return bool(words) and not words.startswith("#")
-
-
-def _filled(text: str) -> str:
-    """Return lines with `nan` in empty cells, for a reader that takes no empty ones."""
-    if not (",," in text or ",\n" in text or "\n," in text or text.startswith(",") or text.endswith(",")):
-        return text
-    for _ in range(2):  # twice: ",,," holds overlapping pairs
-        text = text.replace(",,", ",nan,")
-    text = text.replace(",\n", ",nan\n").replace("\n,", "\nnan,")
-    text = f"nan{text}" if text.startswith(",") else text
-    return f"{text}nan" if text.endswith(",") else text
