@@ -64,6 +64,15 @@ def test_the_directory_holds_nothing_else_and_tells_what_ran(simulated, tmp_path
     assert flexarm.Campaign.load(tmp_path / "out").record == record
 
 
+def test_a_record_that_lacks_its_counts_is_refused(tmp_path):
+    file = flexarm.campaign(study_in(tmp_path, STATIC), tmp_path / "out", n_jobs=1).directory / "study.json"
+    whole = file.read_text()
+    for old, told in (("run_seconds", "cannot be read as what"), ("finished", "state: must be 'finished'")):
+        file.write_text(whole.replace(f'"{old}"', '"else"', 1))
+        with pytest.raises(InvalidFile, match=told):
+            flexarm.Campaign.load(tmp_path / "out")
+
+
 def test_a_variant_that_fails_is_a_row_with_its_reason(tmp_path):
     """Masses from -1 to 3 kg: those below zero are refused, the others are computed."""
     file = study_in(tmp_path, STATIC.replace("low = 1.0", "low = -1.0"))

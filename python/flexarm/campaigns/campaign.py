@@ -82,7 +82,12 @@ class Campaign(Shown):
         if not (folder / RESULTS).is_file():
             what = "is not there: the campaign is not finished; --resume goes on"
             raise InvalidFile(folder, "results.nc", what)
-        return cls(folder, record)
+        if record.get("state") != "finished":
+            raise InvalidFile(folder / STUDY, "state", "must be 'finished'; --resume goes on")
+        found = cls(folder, record)
+        with reading(folder / STUDY, "what a campaign wrote"):
+            found.summary()  # of the counts in the record
+        return found
 
     @property
     def files(self) -> tuple[str, ...]:
