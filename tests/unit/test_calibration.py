@@ -129,9 +129,11 @@ def test_files_are_read_again(found, tmp_path):
     assert again.to_json_dict() == {**found.to_json_dict()}
     assert again.summary() == found.summary()
     assert again.plot().lines
-    with pytest.raises(InvalidFile, match="no report of a calibration"):
-        (tmp_path / "out" / "calibration.json").write_text("{}")
-        flexarm.Calibration.load(tmp_path / "out")
+    told["correlations"]["matrix"][0].pop()
+    for damaged in (told, {}):
+        (tmp_path / "out" / "calibration.json").write_text(json.dumps(damaged))
+        with pytest.raises(InvalidFile, match="no report of a calibration"):
+            flexarm.Calibration.load(tmp_path / "out")
 
 
 def test_the_updated_model_has_the_estimates_and_no_registration(found):

@@ -22,7 +22,7 @@ from parts import frame_part
 
 from flexarm import Arm, InvalidFile, Record, Simulation, State, SuperElement, read_mesh
 from flexarm.errors import Problem
-from flexarm.linear.matlab import read_mat
+from flexarm.linear.matlab import check_mat, read_mat
 from flexarm.reading import regular_file
 from flexarm.solids import ring
 
@@ -65,6 +65,20 @@ for at in range(128, len(sound) - 4, 4):
 """
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_struct_that_overruns_what_holds_it_is_refused(tmp_path: Path) -> None:
+    """SciPy's reader ends the program on some such files."""
+    from scipy.io import savemat
+
+    savemat(tmp_path / "a.mat", {"rec": {"angle": np.eye(3)}})
+    check_mat(tmp_path / "a.mat")
+    raw = bytearray((tmp_path / "a.mat").read_bytes())
+    at = raw.rindex(struct.pack("<2I", 9, 72))  # the nine doubles
+    raw[at + 4 : at + 8] = struct.pack("<I", 131)
+    (tmp_path / "a.mat").write_bytes(raw)
+    with pytest.raises(InvalidFile, match="an element of 131 bytes goes beyond what holds it"):
+        check_mat(tmp_path / "a.mat")
 
 
 @pytest.mark.parametrize("compressed", [False, True])

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexarm.importing.source import Array
 from flexarm.importing.tree import Tree
+from flexarm.linear.matlab import check_mat
 from flexarm.reading import room
 
 
@@ -31,6 +32,7 @@ class MatFile(Tree):
 def _of_v5(path: Any) -> Iterator[tuple[str, Array]]:
     from scipy.io import loadmat
 
+    check_mat(path)
     for name, value in loadmat(path, simplify_cells=True).items():
         if isinstance(name, str) and not name.startswith("__"):
             yield from _flat(value, name)

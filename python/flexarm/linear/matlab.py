@@ -90,6 +90,7 @@ Value = NDArray[Any] | str | list[str]
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 _TEXTS = {1: "utf-8", 2: "utf-8", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
 _MATRIX, _COMPRESSED = 14, 15
+_HEADER = 128
 _COMPLEX = 0x0800
 
 
@@ -98,21 +99,35 @@ def read_mat(path: str | Path) -> dict[str, Value]:
 
     Raise InvalidFile if the file is missing, none of level 5, or damaged.
     """
-    header = 128
     with reading(regular_file(path), "a MAT file"):
         raw = Path(path).read_bytes()
-        order = {b"IM": "<", b"MI": ">"}.get(raw[126:header])
-        if order is None or raw[124:126] != struct.pack(f"{order}H", 0x0100):
+        if (order := _order(raw)) is None:
             raise ValueError("has no header of level 5, which save(..., '-v7') or '-v6' writes")
         found: dict[str, Value] = {}
-        for content in _matrices(raw[header:], order):
+        for content in _matrices(raw[_HEADER:], order):
             name, value = _variable(content, order)
             if value is not None:
                 found[name] = value
         return found
 
 
-def _elements(raw: bytes, order: str) -> Iterator[tuple[int, bytes]]:
+def check_mat(path: str | Path) -> None:
+    """Raise InvalidFile if an element of a file of level 5 overruns what holds it: SciPy may crash on it."""
+    with reading(regular_file(path), "a MAT file"):
+        raw = Path(path).read_bytes()
+        if (order := _order(raw)) is not None:
+            inside = list(_matrices(memoryview(raw)[_HEADER:], order))
+            while inside:
+                inside += [content for kind, content in _elements(inside.pop(), order) if kind == _MATRIX]
+
+
+def _order(raw: bytes) -> str | None:
+    """Return the order of bytes that a header of level 5 tells; None without such a header."""
+    order = {b"IM": "<", b"MI": ">"}.get(raw[126:_HEADER])
+    return order if order and raw[124:126] == struct.pack(f"{order}H", 0x0100) else None
+
+
+def _elements(raw: bytes | memoryview, order: str) -> Iterator[tuple[int, Any]]:
     """Yield type and bytes of one element after another."""
     at = 0
     while at < len(raw):
@@ -129,7 +144,7 @@ def _elements(raw: bytes, order: str) -> Iterator[tuple[int, bytes]]:
         at = at + 8 if short else begin + size + padding
 
 
-def _matrices(raw: bytes, order: str) -> Iterator[bytes]:
+def _matrices(raw: bytes | memoryview, order: str) -> Iterator[Any]:
     most = max(SMALL, EXPANSION * len(raw))
     for kind, content in _elements(raw, order):
         if kind == _COMPRESSED:

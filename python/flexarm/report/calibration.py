@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from math import exp
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from flexarm.comparison.comparison import frame_words
 from flexarm.json_values import plain
@@ -269,6 +269,13 @@ class CorrelationsEntry(Entry):
 
     parameters: list[str]
     matrix: list[list[float]]
+
+    @model_validator(mode="after")
+    def _square(self) -> Self:
+        count = len(self.parameters)
+        if len(self.matrix) != count or any(len(row) != count for row in self.matrix):
+            raise ValueError("correlations.matrix must have a row and a column for each parameter")
+        return self
 
 
 class ChiSquareEntry(Entry):
