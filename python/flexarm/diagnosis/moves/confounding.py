@@ -206,11 +206,14 @@ def _matched(estimator: Estimator, effect: ConfoundedEffect, best: Fit) -> Candi
     problem = estimator.problem.with_step(LONGER * estimator.problem.step)
     there = estimator.moved_to(dict.fromkeys(effect.values, 0.0))
     wanted = problem.residual(estimator.moved_to(effect.values).with_effects(best.members))
-    sizes = {}
+    models, sizes = {}, {}
     for times in SIZES:
         with suppress(*FIT_ERRORS):
-            member = effect.member(times)
-            sizes[times] = problem.residual(there.with_effects((*best.members, member))) - wanted
+            models[times] = there.with_effects((*best.members, effect.member(times)))
+    problem.prepare(models.values())
+    for times, arm in models.items():
+        with suppress(*FIT_ERRORS):
+            sizes[times] = problem.residual(arm) - wanted
     return effect.member(min(sizes, key=lambda times: float(sizes[times] @ sizes[times]), default=1.0))
 
 
