@@ -234,7 +234,7 @@ class Problem:
         written: list[Any] = []
         budget = current()
 
-        def compute(batch: tuple[str, list[Arm]]) -> None:
+        def compute(batch: tuple[str, dict[Arm, Arm]]) -> None:
             for arm, pair in () if budget.spent else self.simulations.runs(*batch):
                 with suppress(InvalidParameter):
                     self.write_residual(found[_key(arm)], batch[0], pair)

@@ -46,6 +46,7 @@ class SimulationCache:
         self._kept = max(KEPT_RUNS, 2 * len(records))
         self._runs: OrderedDict[Any, SimulatedRecord] = OrderedDict()
         self._drives: dict[Any, Drive] = {}
+        self._pairs: dict[str, SimulatedRecord] = {}
 
     def with_step(self, step: float) -> SimulationCache:
         """Return the same with other steps; drives stay as they are."""
@@ -67,24 +68,28 @@ class SimulationCache:
         stand = record.base.replace(tilt=there)
         return self._run_of(tilt.record, record.replace(base=stand).applied_to(arm))
 
-    def batches(self, name: str, arms: Iterable[Arm]) -> list[list[Arm]]:
-        """Return valid models in batches for `runs`: alike, and of as many runs as go side by side."""
-        alike: dict[Any, dict[Any, list[Arm]]] = {}
+    def batches(self, name: str, arms: Iterable[Arm]) -> list[dict[Arm, Arm]]:
+        """Return valid models, and what a record makes of them, in batches for `runs`.
+
+        Those of a batch have the same equations along the same drive, and as many runs as go side by side.
+        """
+        record = self.records[name]
+        alike: dict[Any, dict[Any, list[tuple[Arm, Arm]]]] = {}
         for arm in arms:
             with suppress(InvalidParameter):
-                key = self._key(name, self.records[name].applied_to(arm))
-                alike.setdefault(_structure(arm), {}).setdefault(key, []).append(arm)
+                carried = record.applied_to(arm)
+                kind = _structure(arm), _driving(record, carried)
+                alike.setdefault(kind, {}).setdefault(self._key(name, carried), []).append((arm, carried))
         found = []
         for runs in (list(each.values()) for each in alike.values()):
             for k in range(0, len(runs), self.beside):
-                found.append([arm for some in runs[k : k + self.beside] for arm in some])
+                found.append(dict(pair for some in runs[k : k + self.beside] for pair in some))
         return found
 
-    def runs(self, name: str, arms: Sequence[Arm]) -> Iterator[tuple[Arm, SimulatedRecord]]:
-        """Yield models with their simulations of a record, side by side where they fit; none that fails."""
-        carried = {arm: self.records[name].applied_to(arm) for arm in arms}
+    def runs(self, name: str, carried: Mapping[Arm, Arm]) -> Iterator[tuple[Arm, SimulatedRecord]]:
+        """Yield models of a batch with their simulations, side by side where they fit; none that fails."""
         keys = {arm: self._key(name, each) for arm, each in carried.items()}
-        new = {keys[arm]: each for arm, each in carried.items() if (False, *keys[arm]) not in self._runs}
+        new = {keys[arm]: each for arm, each in carried.items() if keys[arm] not in self._runs}
         beside = self._side_by_side(name, new)
         for arm, each in carried.items():
             with suppress(InvalidParameter, NotConverged):
@@ -106,20 +111,26 @@ class SimulationCache:
             runs = side_by_side(pairs, **dict(options)) if len(pairs) > 1 else [None]
             for key, run in zip(some, runs, strict=True):
                 if run is not None:
-                    found[key] = pair_record(run, record)
+                    found[key] = self._paired(run, name, run.arm)
         self.made += len(found)
         return found
 
     def _run_of(self, name: str, carried: Arm, rotations: bool = False) -> SimulatedRecord:
         """Return a run of what a record makes of a model."""
-        key = (rotations, *self._key(name, carried))
+        key = self._key(name, carried)
         run = self._runs.get(key)
-        if run is None:
+        if run is None or (rotations and run.simulation.orientation is None):
             self.made += 1
             run = self._runs[key] = self._made(name, carried, rotations)
             while len(self._runs) > self._kept:
                 self._runs.popitem(last=False)
         return replace(run, arm=carried)
+
+    def _paired(self, run: Any, name: str, arm: Arm) -> SimulatedRecord:
+        """Return a record with a run; signals that one run predicts are those that all predict."""
+        if name not in self._pairs:
+            self._pairs[name] = replace(pair_record(run, self.records[name]), simulation=None)
+        return replace(self._pairs[name], simulation=run, arm=arm)
 
     def _key(self, name: str, carried: Arm) -> tuple[Any, ...]:
         return (name, *_mechanics(self.records[name], carried))
@@ -130,8 +141,8 @@ class SimulationCache:
         if record.kind == "static":
             return _of_poses(record, record, arm)
         if rings_freely(record):
-            return pair_record(simulate_free_vibration(arm, record, self.step), record, arm=arm)
-        return pair_record(self._along(self.drive(name, arm), name, arm, rotations), record, arm=arm)
+            return self._paired(simulate_free_vibration(arm, record, self.step), name, arm)
+        return self._paired(self._along(self.drive(name, arm), name, arm, rotations), name, arm)
 
     def jerked(self, start: InitialCondition, arm: Arm, height: float) -> SimulatedRecord:
         """Return the simulation of a record after a jerk of a drive."""
@@ -146,7 +157,7 @@ class SimulationCache:
         drive = self.drive(name, carried)
         self.made += 1
         run = self._along(replace(drive, joints={**drive.joints, **joints}), name, carried)
-        return pair_record(run, record, arm=carried)
+        return self._paired(run, name, carried)
 
     def turned(self, name: str, arm: Arm, joint: str, angles: Floats) -> SimulatedRecord:
         """Return poses of a record with a joint's motor turned further in each, by `angles` [rad]."""
@@ -169,7 +180,7 @@ class SimulationCache:
         run = prepared(carried, self.drive(name, carried), **options)
         run.options.consistent_forces = False
         self.made += 1
-        return pair_record(driven(run, changes), record, arm=carried)
+        return self._paired(driven(run, changes), name, carried)
 
     def _along(self, drive: Drive, name: str, arm: Arm, rotations: bool = False) -> Any:
         """Return the simulation along a drive."""

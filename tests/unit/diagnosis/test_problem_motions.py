@@ -19,7 +19,7 @@ from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import probe
 from flexarm.diagnosis.simulation_cache import SimulationCache
-from flexarm.effects import Backlash, SensorOffset
+from flexarm.effects import Backlash, EncoderScale, SensorOffset
 from flexarm.measurement.slopes import predict_slopes
 from flexarm.record import Clock, Frame
 
@@ -133,6 +133,24 @@ def test_a_reflector_elsewhere_is_probed_without_a_simulation(run):
     for k, effect in enumerate(probed.candidate.probes):
         moved = there.residual(estimator.arm.with_effect(effect)) - there.residual(estimator.arm)
         assert probed.moves[:, k] == pytest.approx(moved, abs=1e-5 * np.abs(moved).max())
+
+
+def test_a_run_with_rotations_serves_where_none_are_needed(run):
+    cache, arm = SimulationCache({"run": run.record}, 0.04, -0.05), run.simulation.arm
+    turned = cache.run("run", arm, rotations=True).simulation
+    assert cache.run("run", arm).simulation is turned
+    alone = SimulationCache({"run": run.record}, 0.04, -0.05).run("run", arm).simulation
+    assert np.array_equal(turned.position, alone.position)
+    assert (alone.orientation is None, cache.made) == (True, 1)
+
+
+def test_models_of_a_batch_share_a_drive(run):
+    """Runs side by side do; an encoder that drives and reads otherwise makes another drive."""
+    arm, [encoder] = run.simulation.arm, run.record.drive
+    models = [with_value(arm, MODULUS, (2.0 + 0.01 * k) * 1e11) for k in range(3)]
+    models[1:1] = [arm.with_effect(EncoderScale(at=encoder, scale=1.0 + 0.01 * k)) for k in (1, 2)]
+    batches = SimulationCache({"run": run.record}, 0.04, -0.05).batches("run", models)
+    assert sorted(map(len, batches)) == [1, 1, 3]
 
 
 def test_runs_of_many_records_are_remembered(run):
