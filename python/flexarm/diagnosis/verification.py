@@ -8,7 +8,7 @@ part of the training from the others (`diagnosis.evidence`).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from math import log10
 
@@ -161,6 +161,7 @@ class SplitRecords:
     """Settings of the simulations [s], [-]."""
     jobs: int
     """Simulations at once."""
+    _kept: dict[tuple[Arm, str], AlignedRecord] = field(default_factory=dict, init=False, repr=False)
 
     def training_gaps(self, model: Arm) -> Gaps:
         """Return the gap of a model by record that was fitted."""
@@ -175,8 +176,14 @@ class SplitRecords:
         return self._aligned(model, {**self.training, **self.held_out})
 
     def _aligned(self, model: Arm, records: Mapping[str, Record]) -> dict[str, AlignedRecord]:
-        simulated = partial(simulate_record, model, step=self.step, alpha=self.alpha)
-        return dict(zip(records, at_once(simulated, records.values(), self.jobs), strict=True))
+        def aligned(name: str) -> AlignedRecord:
+            if (model, name) not in self._kept:
+                self._kept[model, name] = simulate_record(
+                    model, records[name], step=self.step, alpha=self.alpha
+                )
+            return self._kept[model, name]
+
+        return dict(zip(records, at_once(aligned, records, self.jobs), strict=True))
 
 
 def compared(pairs: Mapping[str, AlignedRecord], before: Gaps | None = None) -> Gaps:

@@ -50,6 +50,7 @@ def test_a_verification_simulates_and_aligns_a_record_once_for_a_model(monkeypat
     monkeypatch.setattr(verification, "simulate_record", simulate_record)
     records = SplitRecords({"swing": record(1)}, {"other": record(2)}, step=0.01, alpha=0.0, jobs=1)
     arm = nominal()
+    records.training_gaps(arm)
     verification.verified(records, arm, arm.replace(name="updated"), [], [], open_gap=True)
     assert len(runs) == len(set(runs)) == 4
 
