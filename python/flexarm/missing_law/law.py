@@ -152,7 +152,7 @@ class LawSearch:
         inverse = block_diag(*(np.linalg.inv(each.T @ each) for each in splines))
         response = (latent.response.jacobian / noise_scale(problem, fit)[:, None]) @ inverse
         self.space = ColumnSpace.of(latent.data, response)
-        self.splines = sparse_diagonal(splines).tocsr()
+        self.splines = sparse_diagonal([csr_matrix(each) for each in splines]).tocsr()  # without zeros
         self._curves: dict[str, tuple[Floats, csr_matrix, Floats]] = {}
         self.explained = max(self.left_without - latent.model.left(), 1e-300)
 
