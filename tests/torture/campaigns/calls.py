@@ -128,7 +128,7 @@ def right(seeds: Path) -> tuple[Call, ...]:
             {0: arm, 1: drive, "step": 2e-3, "alpha": -0.05, "end": 0.03, "forces": True, "dimension": "auto"}
             | {"sensitivities": ("payloads.load.mass",), "progress": None},
         ),
-        "simulate_all": (flexarm.simulate_all, {0: [(arm, drive)], "jobs": 1, "step": 2e-3}),
+        "simulate_all": (flexarm.simulate_all, {0: [(arm, drive)], "n_jobs": 1, "step": 2e-3}),
         "static": (
             flexarm.static,
             {0: arm, 1: {"hinge": 0.1}, 2: {"tip": [1.0, 0, 0]}, "at_link": (), "sensitivities": ()},
@@ -157,8 +157,8 @@ def right(seeds: Path) -> tuple[Call, ...]:
         "Statics.load": (flexarm.Statics.load, {0: seeds / "statics.nc"}),
         "Modes.load": (flexarm.Modes.load, {0: seeds / "modes.nc"}),
         "Diagnosis.load": (flexarm.Diagnosis.load, {0: seeds / "diagnosis"}),
-        "diagnose": (flexarm.diagnose, {0: arm, 1: [], 2: None, "jobs": 1, "seed": 0, "step": 4e-3}),
-        "plan": (flexarm.plan, {0: arm, 1: [], "jobs": 1, "step": 4e-3}),
+        "diagnose": (flexarm.diagnose, {0: arm, 1: [], 2: None, "n_jobs": 1, "seed": 0, "step": 4e-3}),
+        "plan": (flexarm.plan, {0: arm, 1: [], "n_jobs": 1, "step": 4e-3}),
         "read_mesh": (flexarm.read_mesh, {0: seeds / "bar.inp", 1: "mm", 2: None, "merge": 0.0}),
         "InterfaceSet": (InterfaceSet, {0: "foot", 1: "rigid", 2: [0.0, 0, 0], 3: np.eye(3)}),
         "reduce_mesh": (
@@ -208,7 +208,7 @@ def right(seeds: Path) -> tuple[Call, ...]:
         "compare_responses": (flexarm.compare_responses, {0: arm, 1: other}),
         "calibrate": (
             flexarm.calibrate,
-            {0: arm, 1: [], 2: ["joint_compliance"], 3: None, "jobs": 1, "step": 4e-3, "max_seconds": 1},
+            {0: arm, 1: [], 2: ["joint_compliance"], 3: None, "n_jobs": 1, "step": 4e-3, "max_seconds": 1},
         ),
         "CalibrationPolicy": (flexarm.CalibrationPolicy, {"sizes": 9, "tolerance": 0.2}),
         "SelectionPolicy": (flexarm.SelectionPolicy, {"blocks": 24, "moves": ("pairs",)}),
@@ -218,7 +218,7 @@ def right(seeds: Path) -> tuple[Call, ...]:
         "Calibration.gap": (fit.gap, {0: fit.training, 1: "tip"}),
         "campaign": (
             flexarm.campaign,
-            {0: seeds / "example" / "study.toml", 1: "record", "jobs": 1, "resume": False, "force": True},
+            {0: seeds / "example" / "study.toml", 1: "record", "n_jobs": 1, "resume": False, "force": True},
         ),
         "Campaign.load": (flexarm.Campaign.load, {0: seeds / "study"}),
         "Comparison.plot": (compared.plot, {"ax": None, "signal": "tip"}),
