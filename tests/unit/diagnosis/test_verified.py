@@ -1,5 +1,6 @@
 """What a repair is verified with: records beside models, simulated as the diagnosis was told to."""
 
+import numpy as np
 import pytest
 from diagnoses import nominal, record, with_spring
 
@@ -34,7 +35,8 @@ def test_gaps_before_and_after_are_split_in_the_same_bands():
     before, after, alone = (
         each.signals["tip"].bands for each in (found.before["swing"], found.after["swing"], own)
     )
-    assert [(band.low, band.high) for band in after] == [(band.low, band.high) for band in before]
+    edges = [np.array([(band.low, band.high) for band in bands]) for bands in (before, after)]
+    assert edges[1] == pytest.approx(edges[0])  # of instants by clocks that differ by a rounding
     assert [band.high for band in alone][:-1] != [band.high for band in before][:-1]
     assert sum(band.rms**2 for band in after) == pytest.approx(sum(band.rms**2 for band in alone))
 
