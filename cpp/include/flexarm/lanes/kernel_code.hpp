@@ -12,6 +12,7 @@
 #include "flexarm/elements/weight.hpp"
 #include "flexarm/geometry/pack.hpp"
 #include "flexarm/joints/joint_constraint.hpp"
+#include "flexarm/lanes/gear_code.hpp"
 #include "flexarm/lanes/numbers.hpp"
 #include "flexarm/lanes/turn_code.hpp"
 
@@ -20,6 +21,7 @@ namespace flexarm::lanes {
 template <int D, int N, class Processor>
 class KernelCode : TurnCode<D, N, Processor> {
   using Turning = TurnCode<D, N, Processor>;
+  using Gears = GearCode<N, Processor>;
   using Turning::add, Turning::add_matrix, Turning::at, Turning::multiply, Turning::put, Turning::put_matrix;
 
  public:
@@ -99,19 +101,6 @@ class KernelCode : TurnCode<D, N, Processor> {
     place(arms, motion);
   }
 
-  /// ψ, ψ' and ψ'' of a gear, (1) of joints/transmission.hpp without windup.
-  struct Psi {
-    Real psi, first, second;
-  };
-  static Psi psi(const Arms& arms, int k, const Motion& motion) {
-    const double* own = arms.gear_numbers + 4 * N * k;
-    const Real phi = at(motion.s, arms.gears[k].input), per_scale = at(own, 0);
-    if (!arms.gears[k].waves) return {phi * per_scale, per_scale, 0.0};
-    const Real A = at(own, 1), m = at(own, 2);
-    const auto [sine, cosine] = geometry::sine_cosine(Real(m * phi + at(own, 3)));
-    return {phi * per_scale + A * sine, per_scale + m * (A * cosine), -m * m * (A * sine)};
-  }
-
   /// Laws, inertias, joints and gears on the scalar coordinates.
   static void scalar_residual(const Arms& arms, const Motion& motion, const double* v_dot,
                               const double* multipliers, double* r) {
@@ -137,12 +126,7 @@ class KernelCode : TurnCode<D, N, Processor> {
       if (place.coordinate < 0) continue;
       add(r, place.coordinate, -torque(arms, k, multipliers));
     }
-    for (int k = 0; k < arms.n_gears; ++k) {
-      const auto [input, output, row, waves] = arms.gears[k];
-      const Real force = at(multipliers, row);
-      add(r, input, psi(arms, k, motion).first * force);
-      add(r, output, -force);
-    }
+    Gears::add_forces(arms, motion, multipliers, r);
   }
 
   /// ξᵀ λ of a joint.
@@ -170,10 +154,7 @@ class KernelCode : TurnCode<D, N, Processor> {
       add_matrix(r, n * k, Twist(-weight.force(frame(motion.frames, k).R, gravity)));
     }
     for (int k = 0; k < arms.n_joints; ++k) add_joint(arms, motion, k, n_free);
-    for (int k = 0; k < arms.n_gears; ++k) {
-      const GearPlace& place = arms.gears[k];
-      put(motion.dx, n_free + place.row, psi(arms, k, motion).psi - at(motion.s, place.output));
-    }
+    Gears::find_violation(arms, motion, motion.dx + N * n_free);
     for (int k = 0; k < arms.n_beams; ++k) add_beam(arms, motion, k);
   }
 
@@ -326,13 +307,7 @@ class KernelCode : TurnCode<D, N, Processor> {
                                              moves ? at(motion.s, place.coordinate) : Real(0.0),
                                              rates(motion.v, place), rates(motion.v_dot, place)));
     }
-    for (int k = 0; k < arms.n_gears; ++k) {
-      const auto [input, output, row, waves] = arms.gears[k];
-      const Psi gear = psi(arms, k, motion);
-      const Real v = at(motion.v, offset + input), turned = at(motion.v_dot, offset + input);
-      put(motion.acceleration, row,
-          gear.first * turned + gear.second * v * v - at(motion.v_dot, offset + output));
-    }
+    Gears::find_acceleration(arms, motion, offset, motion.acceleration);
     const Turns& turns = arms.consistent_turns;
     const int n_changed = arms.n_free_scalars + m;
     double *change = motion.work, *found = motion.acceleration + N * m;
