@@ -8,6 +8,9 @@ namespace {
 
 // A contraction measured this many steps ago is measured again before it is trusted.
 constexpr long trusted_steps = 16;
+// It is a tenth of the one before at least: a step that happens to contract fast does not vouch for the next
+// ones, as where a loop comes near a pose in line.
+constexpr double least_change = 0.1;
 // Increments below this are rounding: they neither shrink nor matter.
 constexpr double rounding_floor = 1e-14;
 
@@ -34,7 +37,8 @@ StepIteration::Verdict StepIteration::of_one_more(double size, int k) {
   const double rate = previous_ > 0 ? size / previous_ : contraction_;
   const double error = rate < 1 ? rate / (1 - rate) * size : size;
   if (error < tolerance_ && (k > 0 || !cautious_)) {
-    if (previous_ > rounding_floor) contraction_ = std::clamp(rate, 1e-4, 0.9);
+    if (previous_ > rounding_floor)
+      contraction_ = std::clamp(std::max(rate, least_change * contraction_), 1e-4, 0.9);
     return Verdict::converged;
   }
   if (size < rounding_floor || (k > 1 && rate > 0.5 && size < options_.tolerance)) {
