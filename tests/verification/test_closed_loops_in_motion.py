@@ -159,14 +159,6 @@ def test_reported_forces_are_those_of_the_minimal_equation():
     assert run.joint_torque[chosen, 0] == approx(np.array(needed) + weight, abs=2e-3)
 
 
-def test_a_plane_is_not_used_for_a_closed_loop():
-    """Asked for, it is refused by name."""
-    turn = drive({"A": lambda t: START + 0.1 * smooth_step(t)}, 1.0, 101)
-    arm = loops.four_bar("C", assembly=loops.assembled("C", START))
-    with pytest.raises(flexarm.errors.InvalidParameter, match="loops are closed in space"):
-        flexarm.simulate(arm, turn, dimension="plane")
-
-
 def test_a_drive_beyond_the_reach_of_the_loop_stops_with_the_time():
     """At full stroke the bars are in line and Newton's method has no solution."""
     arm = loops.crane()

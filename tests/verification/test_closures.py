@@ -272,7 +272,7 @@ def test_a_plan_of_a_crane_moves_the_piston_where_that_reaches_and_no_joint_that
     told = str(flexarm.plan(loops.crane(), {"lift": lift}, step=0.02))
     assert ("with piston moved by 0.05 m throughout" in told) == goes_on
     assert "pin moved by" not in told
-    assert "joint tilt compliance at rod_eye" in told
+    assert "joint radial compliance at rod_eye" in told
 
 
 def test_modes_tell_where_the_joints_that_follow_stand():

@@ -59,7 +59,7 @@ std::vector<int> System::chain_to(int link) const {
 
 /// The conditions, then those of gears between joints of loops.
 VectorXd System::loop_gap(const std::vector<double>& joint_values) const {
-  VectorXd g = rigid_closures_.gap(placed(joint_values).frames);
+  VectorXd g = rigid_closures_.gap(open_state(joint_values).frames);
   for (const model::Gear& gear : arm_.gears) {
     const int in = joint_index(gear.input), out = joint_index(gear.output);
     if (!in_loop_[in]) continue;
@@ -72,7 +72,7 @@ VectorXd System::loop_gap(const std::vector<double>& joint_values) const {
 /// Columns of slides times the reach, so that all columns are lengths.
 MatrixXd System::loop_jacobian(const std::vector<double>& joint_values,
                                const std::vector<int>& unknowns) const {
-  const State state = placed(joint_values);
+  const State state = open_state(joint_values);
   const auto columns = static_cast<Eigen::Index>(unknowns.size());
   MatrixXd G = MatrixXd::Zero(loop_gap(joint_values).size(), columns);
   int row = 0;
@@ -110,7 +110,7 @@ MatrixXd System::loop_jacobian(const std::vector<double>& joint_values,
 }
 
 bool System::right_way(const std::vector<double>& joint_values) const {
-  const State state = placed(joint_values);
+  const State state = open_state(joint_values);
   for (std::size_t k = 0; k < rigid_closures_.size(); ++k) {
     const joints::ClosureConstraint& closure = rigid_closures_[k];
     if (!closure.right_way(frame(state, closure.node_a()), frame(state, closure.node_b()))) return false;
@@ -187,7 +187,7 @@ System::Closed System::search(const std::vector<double>& values, const std::vect
 }
 
 void System::refuse(const std::vector<double>& nearest, const std::vector<int>& unknowns) const {
-  const State state = placed(nearest);
+  const State state = open_state(nearest);
   std::size_t worst = 0;
   double largest = -1;
   std::vector<joints::ClosureConstraint::Apart> apart;
@@ -297,12 +297,12 @@ void System::close_loops() {
   if (!found.met) refuse(found.values, joints);
   assembled_ = found.values;
 
-  MatrixXd N = held_by_others(placed(assembled_), true);
+  MatrixXd N = held_by_others(open_state(assembled_), true);
   std::mt19937 generator(1);
   for (int k = 0; k < most_neighbours && N.cols() > 0; ++k) {
     const Closed nearby = newton(beside(arm_, assembled_, joints, reach_, generator), joints);
     if (!nearby.met) continue;
-    const MatrixXd other = held_by_others(placed(nearby.values), true);
+    const MatrixXd other = held_by_others(open_state(nearby.values), true);
     if (other.cols() < N.cols()) N = other;
   }
   if (N.cols() == 0) return;
@@ -320,7 +320,7 @@ void System::count_closures_as(const System& nominal) {
 
 /// The driven joints walk from where the loops were closed first; the others follow.
 std::vector<double> System::closed(const std::vector<double>& joint_values) const {
-  if (joint_values.size() != arm_.joints.size()) return joint_values;  // placed() tells
+  if (joint_values.size() != arm_.joints.size()) return joint_values;  // open_state() tells
   std::vector<int> unknowns;
   std::vector<double> now = assembled_, driven = joint_values;
   double farthest = 0;
@@ -348,7 +348,7 @@ std::vector<double> System::closed(const std::vector<double>& joint_values) cons
   }
   if (!found.met) found = search(found.values, unknowns);
   if (!found.met) refuse(found.values, unknowns);
-  if (held_by_others(placed(found.values), false).cols() > 0) {
+  if (held_by_others(open_state(found.values), false).cols() > 0) {
     std::string names;
     for (std::size_t j = 0; j < in_loop_.size(); ++j) {
       if (in_loop_[j] && joint_coordinates_[j].phi >= 0 && drives_[j] != DriveKind::free)

@@ -194,11 +194,8 @@ void SystemIn<D>::evaluate(const StateD& state, const LoadsD& loads, VectorXd& r
   int row = n_constraints_ - closures_.rows() - static_cast<int>(gears_.size());
   for (const joints::GearConstraint& gear : gears_)
     phi[row++] = gear.transmission(state.s[gear.input]).psi - state.s[gear.output];
-  if constexpr (D == 3) {
-    if (closures_.empty()) return;
-    closures_.add_forces(state.frames, of_closures(state), r);
-    phi.tail(closures_.rows()) = closures_.violation(state.frames);
-  }
+  if (!closures_.empty())
+    phi.tail(closures_.rows()) = closures_.add_forces(state.frames, of_closures(state), r);
 }
 
 template <int D>
@@ -226,9 +223,7 @@ void SystemIn<D>::violation(const StateD& state, VectorXd& phi) const {
   }
   for (const joints::GearConstraint& gear : gears_)
     phi[row++] = gear.transmission(state.s[gear.input]).psi - state.s[gear.output];
-  if constexpr (D == 3) {
-    if (!closures_.empty()) phi.tail(closures_.rows()) = closures_.violation(state.frames);
-  }
+  if (!closures_.empty()) phi.tail(closures_.rows()) = closures_.violation(state.frames);
 }
 
 template <int D>
@@ -256,10 +251,8 @@ void SystemIn<D>::constraint_acceleration(const StateD& state, VectorXd& c) cons
     const auto psi = gear.transmission(state.s[gear.input]);
     c[row++] = psi.first * state.v_dot[in] + psi.second * state.v[in] * state.v[in] - state.v_dot[out];
   }
-  if constexpr (D == 3) {
-    if (!closures_.empty())
-      c.tail(closures_.rows()) = closures_.acceleration(state.frames, state.v, state.v_dot);
-  }
+  if (!closures_.empty())
+    c.tail(closures_.rows()) = closures_.acceleration(state.frames, state.v, state.v_dot);
 }
 
 template <int D>

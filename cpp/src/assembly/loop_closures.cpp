@@ -8,17 +8,18 @@
 
 namespace flexarm::assembly {
 
-void LoopClosures::add(const std::string& name, const ClosureConstraint& closure,
-                       std::optional<BeamSlide> slide) {
+template <int D>
+void LoopClosuresIn<D>::add(const std::string& name, const Closure& closure, std::optional<Slide> slide) {
   first_.push_back(conditions());
   names_.push_back(name);
   closures_.push_back(closure);
   slides_.push_back(std::move(slide));
-  const int m = conditions() + closure.size();
+  const int m = conditions() + size_of(size() - 1);
   P_ = MatrixXd::Identity(m, m);
 }
 
-void LoopClosures::leave_out(const MatrixXd& N) {
+template <int D>
+void LoopClosuresIn<D>::leave_out(const MatrixXd& N) {
   const Eigen::Index m = P_.rows(), rank = m - N.cols();
   MatrixXd rest = MatrixXd::Identity(m, m) - N * N.transpose();
   P_.resize(m, rank);
@@ -32,12 +33,13 @@ void LoopClosures::leave_out(const MatrixXd& N) {
   P_ = (P_.array().abs() < rounding).select(0.0, P_);
 }
 
-VectorXd LoopClosures::gap(const Frames& frames) const {
+template <int D>
+VectorXd LoopClosuresIn<D>::gap(const Frames& frames) const {
   VectorXd g(conditions());
   for (std::size_t k = 0; k < closures_.size(); ++k) {
-    const ClosureConstraint& closure = closures_[k];
+    const Closure& closure = closures_[k];
     if (slides_[k]) {
-      g.segment<2>(first_[k]) = slides_[k]->gap(frames);
+      g.segment<D - 1>(first_[k]) = slides_[k]->gap(frames);
       continue;
     }
     g.segment(first_[k], closure.size()) =
@@ -46,17 +48,19 @@ VectorXd LoopClosures::gap(const Frames& frames) const {
   return g;
 }
 
-double LoopClosures::unmet(const Frames& frames) const {
+template <int D>
+double LoopClosuresIn<D>::unmet(const Frames& frames) const {
   if (redundant() == 0) return 0;
   const VectorXd g = gap(frames);
   return (g - P_ * (P_.transpose() * g)).lpNorm<Eigen::Infinity>();
 }
 
-void LoopClosures::check(const Frames& frames, double reach, double t) const {
+template <int D>
+void LoopClosuresIn<D>::check(const Frames& frames, double reach, double t) const {
   char text[240];
   for (std::size_t k = 0; k < closures_.size(); ++k) {
     if (!slides_[k]) continue;
-    const geometry::Vector3d at = place_on_b(k, frames);
+    const geometry::Point<D> at = place_on_b(k, frames);
     const auto beyond = [&](int node) { return frames[node].R.col(0).dot(at - frames[node].x); };
     const double off =
         std::max(-beyond(slides_[k]->nodes(0)[0]), beyond(slides_[k]->nodes(slides_[k]->size() - 1)[1]));
@@ -75,60 +79,71 @@ void LoopClosures::check(const Frames& frames, double reach, double t) const {
   throw NotConverged(text, t, 0, left);
 }
 
-joints::Conditions LoopClosures::multipliers(std::size_t k, const Eigen::Ref<const VectorXd>& mu) const {
+template <int D>
+Conditions LoopClosuresIn<D>::multipliers(std::size_t k, const Eigen::Ref<const VectorXd>& mu) const {
+  if (redundant() == 0) return mu.segment(first_[k], size_of(k));
   return part(k) * mu;
 }
 
-void LoopClosures::add_forces(const Frames& frames, const Eigen::Ref<const VectorXd>& mu, VectorXd& r) const {
+template <int D>
+VectorXd LoopClosuresIn<D>::add_forces(const Frames& frames, const Eigen::Ref<const VectorXd>& mu,
+                                       VectorXd& r) const {
+  VectorXd g(conditions());
   for (std::size_t k = 0; k < closures_.size(); ++k) {
-    const ClosureConstraint& closure = closures_[k];
-    const joints::Conditions lambda = multipliers(k, mu);
+    const Closure& closure = closures_[k];
+    const Conditions lambda = multipliers(k, mu);
     if (const auto& slide = slides_[k]) {
-      const Eigen::Matrix<double, 18, 1> f = slide->jacobian(frames).transpose() * lambda;
+      const typename Slide::Velocities f = slide->jacobian(frames).transpose() * lambda;
       const std::array<int, 3> nodes = slide->nodes(slide->touched(frames));
       for (int i = 0; i < 3; ++i)
-        if (nodes[i] >= 0) r.segment<6>(6 * nodes[i]) += f.segment<6>(6 * i);
+        if (nodes[i] >= 0) r.segment<n>(n * nodes[i]) += f.template segment<n>(n * i);
+      g.segment<D - 1>(first_[k]) = slide->gap(frames);
       continue;
     }
     const int a = closure.node_a(), b = closure.node_b();
-    const auto J = closure.jacobian(frame(frames, a), frame(frames, b));
-    if (a >= 0) r.segment<6>(6 * a) += J.a.transpose() * lambda;
-    if (b >= 0) r.segment<6>(6 * b) += J.b.transpose() * lambda;
+    const auto now = closure.respond(frame(frames, a), frame(frames, b), lambda);
+    if (a >= 0) r.segment<n>(n * a) += now.a;
+    if (b >= 0) r.segment<n>(n * b) += now.b;
+    g.segment(first_[k], closure.size()) = now.gap;
   }
+  return redundant() == 0 ? g : P_.transpose() * g;
 }
 
-VectorXd LoopClosures::acceleration(const Frames& frames, const VectorXd& v, const VectorXd& v_dot) const {
+template <int D>
+VectorXd LoopClosuresIn<D>::acceleration(const Frames& frames, const VectorXd& v,
+                                         const VectorXd& v_dot) const {
   VectorXd c(conditions());
   const auto of = [](const VectorXd& u, int node) {
-    return node < 0 ? geometry::Vector6d(geometry::Vector6d::Zero())
-                    : geometry::Vector6d(u.segment<6>(6 * node));
+    return node < 0 ? TwistD(TwistD::Zero()) : TwistD(u.segment<n>(n * node));
   };
   for (std::size_t k = 0; k < closures_.size(); ++k) {
-    const ClosureConstraint& closure = closures_[k];
+    const Closure& closure = closures_[k];
     if (const auto& slide = slides_[k]) {
-      c.segment<2>(first_[k]) =
+      c.segment<D - 1>(first_[k]) =
           slide->jacobian(frames) * slide->part(slide->touched(frames), v_dot) + slide->convective(frames, v);
       continue;
     }
     const int a = closure.node_a(), b = closure.node_b();
-    const Frame &H_a = frame(frames, a), &H_b = frame(frames, b);
-    const auto J = closure.jacobian(H_a, H_b);
-    c.segment(first_[k], closure.size()) =
-        J.a * of(v_dot, a) + J.b * of(v_dot, b) + closure.convective(H_a, H_b, of(v, a), of(v, b));
+    c.segment(first_[k], closure.size()) = closure.acceleration(
+        frame(frames, a), frame(frames, b), {of(v, a), of(v, b)}, {of(v_dot, a), of(v_dot, b)});
   }
-  return P_.transpose() * c;
+  return redundant() == 0 ? c : P_.transpose() * c;
 }
 
-geometry::Vector6d LoopClosures::wrench_on_b(std::size_t k, const Frames& frames,
-                                             const Eigen::Ref<const VectorXd>& mu) const {
-  const ClosureConstraint& closure = closures_[k];
+template <int D>
+geometry::Twist<D> LoopClosuresIn<D>::wrench_on_b(std::size_t k, const Frames& frames,
+                                                  const Eigen::Ref<const VectorXd>& mu) const {
+  const Closure& closure = closures_[k];
   if (slides_[k]) {
-    geometry::Vector6d wrench = geometry::Vector6d::Zero();
-    wrench.head<3>() = slides_[k]->force_on_b(frames, multipliers(k, mu));
+    TwistD wrench = TwistD::Zero();
+    wrench.template head<D>() = slides_[k]->force_on_b(frames, multipliers(k, mu));
     return wrench;
   }
   return closure.wrench_on_b(frame(frames, closure.node_a()), frame(frames, closure.node_b()),
                              multipliers(k, mu));
 }
+
+template class LoopClosuresIn<2>;
+template class LoopClosuresIn<3>;
 
 }  // namespace flexarm::assembly

@@ -27,12 +27,13 @@ class Projection {
     for (const JointCoordinates& joint : system.joints()) {
       values.push_back(joint.theta < 0 ? 0.0 : state.s[joint.theta]);
     }
-    undeformed_ = system.rigid_state(values);
+    undeformed_ = system.open_state(values);
   }
 
   PlanarSystem::Attempt attempt() {
     flat_.reset(new PlanarSystem);
-    const bool planar = nodes() && beams() && parts() && joints() && masses() && loads() && start();
+    const bool planar =
+        nodes() && beams() && parts() && joints() && closures() && masses() && loads() && start();
     if (!planar) return {nullptr, obstacle_};
     points();
     flat_->pair_beams();
@@ -170,6 +171,47 @@ class Projection {
     return true;
   }
 
+  bool closures() {
+    const LoopClosures& loops = system_.closures();
+    MatrixXd combinations = MatrixXd::Zero(loops.conditions(), 0);
+    for (std::size_t k = 0; k < loops.size(); ++k) {
+      const joints::ClosureConstraint& closure = loops[k];
+      const std::string name = "closure '" + loops.name(k) + "'";
+      const auto side = [&](int node) -> const PlaneAxes& {
+        return node < 0 ? flat_->base_ : flat_->axes_[node];
+      };
+      const PlaneAxes &at_a = side(closure.node_a()), &at_b = side(closure.node_b());
+      auto part = closure.within(at_a, at_b);
+      if (!part) return refuse(name + " ties what lies across the plane to what lies within");
+      const auto beside = [&](int node, const Vector3d& x) {
+        return node < 0 || node == system_.pedestal().node ? 0.0 : std::abs(side(node).normal().dot(x));
+      };
+      if (std::max(beside(closure.node_a(), closure.frame_a().x),
+                   beside(closure.node_b(), closure.frame_b().x)) > rounding * system_.reach()) {
+        return refuse(name + " stands beside the plane of the links that it joins");
+      }
+      std::optional<BeamSlideIn<2>> slide;
+      if (const auto& in_space = loops.slide(k)) {
+        slide = BeamSlideIn<2>(*in_space, at_a, at_b);
+        part->combinations = at_a.E.block<2, 1>(1, 1);  // y and z of the beam's sections
+      }
+      flat_->closures_.add(loops.name(k), part->closure, slide);
+      const MatrixXd before = combinations;
+      combinations = MatrixXd::Zero(loops.conditions(), flat_->closures_.conditions());
+      combinations.leftCols(before.cols()) = before;
+      combinations.block(loops.first_condition(k), before.cols(), part->combinations.rows(),
+                         part->combinations.cols()) = part->combinations;
+      const int b = closure.node_b();
+      flat_->ground_distance_.push_back((b < 0 ? 0.0 : flat_->distance_[b]) +
+                                        side(b).normal().dot(closure.frame_b().x));
+    }
+    flat_->closings_ = loops.counted().transpose() * combinations;
+    const MatrixXd counted = flat_->closings_.transpose() * flat_->closings_;
+    if (!counted.isIdentity(reduced)) return refuse("its loops repeat conditions within the plane");
+    flat_->n_constraints_ += flat_->closures_.rows();
+    return true;
+  }
+
   /// Of a constraint: behind those of the joints come the hinges of the base, then those of mounts.
   std::string name_of(std::size_t constraint) const {
     const auto& joints = system_.arm().joints;
@@ -292,7 +334,6 @@ std::vector<Vector3d> possible_normals(const System& system, const State& state,
 }  // namespace
 
 PlanarSystem::Attempt PlanarSystem::about(const System& system, const State& state, const Loads& loads) {
-  if (!system.closures().empty()) return {nullptr, "its loops are closed in space"};
   Attempt attempt{nullptr, "no direction of the arm could be the normal of a plane"};
   for (const Vector3d& normal : possible_normals(system, state, loads.gravity)) {
     attempt = Projection(system, state, loads, normal).attempt();

@@ -48,7 +48,9 @@ StateIn<2> PlanarSystem::part(const State& state) const {
     row += rows;
     row_space += rows_space;
   }
-  flat.multipliers.tail(n_constraints_ - row) = state.multipliers.tail(n_constraints_ - row);
+  const auto n_gears = static_cast<Eigen::Index>(gears_.size());
+  flat.multipliers.segment(row, n_gears) = state.multipliers.segment(row_space, n_gears);
+  flat.multipliers.tail(closings_.cols()) = closings_.transpose() * state.multipliers.tail(closings_.rows());
   return flat;
 }
 
@@ -87,7 +89,9 @@ State PlanarSystem::embed(const StateIn<2>& state, const State& start) const {
     row += rows;
     row_space += rows_space;
   }
-  full.multipliers.tail(n_constraints_ - row) = state.multipliers.tail(n_constraints_ - row);
+  const auto n_gears = static_cast<Eigen::Index>(gears_.size());
+  full.multipliers.segment(row_space, n_gears) = state.multipliers.segment(row, n_gears);
+  full.multipliers.tail(closings_.rows()) = closings_ * state.multipliers.tail(closings_.cols());
   return full;
 }
 

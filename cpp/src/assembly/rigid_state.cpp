@@ -7,10 +7,10 @@ namespace flexarm::assembly {
 using namespace geometry;
 
 State System::rigid_state(const std::vector<double>& joint_values) const {
-  return closures_.empty() ? placed(joint_values) : placed(closed(joint_values));
+  return closures_.empty() ? open_state(joint_values) : open_state(closed(joint_values));
 }
 
-State System::placed(const std::vector<double>& joint_values) const {
+State System::open_state(const std::vector<double>& joint_values) const {
   if (joint_values.size() != arm_.joints.size()) {
     throw InvalidParameter("one value for each of the " + std::to_string(arm_.joints.size()) +
                            " joints is needed, got " + std::to_string(joint_values.size()));

@@ -9,16 +9,12 @@ namespace flexarm::joints {
 
 using namespace geometry;
 
-ClosureConstraint::ClosureConstraint(ClosureType type, int node_a, const Frame& X_a, int node_b,
-                                     const Frame& X_b, const Vector3d& axis, const Vector3d& second_axis,
-                                     double length)
-    : node_a_(node_a),
-      node_b_(node_b),
-      X_a_(X_a),
-      X_b_(X_b),
-      Ad_a_(adjoint<3>(X_a.inverse())),
-      Ad_b_(adjoint<3>(X_b.inverse())),
-      length_(length) {
+template <int D>
+ClosureConstraintIn<D>::ClosureConstraintIn(ClosureType type, int node_a, const Frame& X_a, int node_b,
+                                            const Frame& X_b, const Vector3d& axis,
+                                            const Vector3d& second_axis, double length)
+  requires(D == 3)
+    : ClosureConstraintIn(node_a, X_a, node_b, X_b, length) {
   const bool has_axis = type != ClosureType::spherical && type != ClosureType::fixed;
   if (has_axis && !(axis.norm() > 0)) throw InvalidParameter("axis must not be zero");
   const Vector3d u = has_axis ? Vector3d(axis.normalized()) : Vector3d::UnitZ();
@@ -64,12 +60,15 @@ ClosureConstraint::ClosureConstraint(ClosureType type, int node_a, const Frame& 
   }
 }
 
-ClosureConstraint::Placement ClosureConstraint::place(const Frame& H_a, const Frame& H_b) const {
-  const Frame A = H_a * X_a_, B = H_b * X_b_;
+template <int D>
+typename ClosureConstraintIn<D>::Placement ClosureConstraintIn<D>::place(const FrameD& H_a,
+                                                                         const FrameD& H_b) const {
+  const FrameD A = H_a * X_a_, B = H_b * X_b_;
   return {A, B, A.R.transpose() * B.R, A.R.transpose() * (B.x - A.x)};
 }
 
-Conditions ClosureConstraint::gap(const Frame& H_a, const Frame& H_b) const {
+template <int D>
+Conditions ClosureConstraintIn<D>::gap(const FrameD& H_a, const FrameD& H_b) const {
   const Placement at = place(H_a, H_b);
   Conditions phi(size());
   for (int i = 0; i < size(); ++i) {
@@ -79,7 +78,9 @@ Conditions ClosureConstraint::gap(const Frame& H_a, const Frame& H_b) const {
   return phi;
 }
 
-ClosureConstraint::Apart ClosureConstraint::apart(const Frame& H_a, const Frame& H_b) const {
+template <int D>
+typename ClosureConstraintIn<D>::Apart ClosureConstraintIn<D>::apart(const FrameD& H_a,
+                                                                     const FrameD& H_b) const {
   const Conditions phi = gap(H_a, H_b);
   double distance = 0, sine = 0;
   for (int i = 0; i < size(); ++i) (conditions_[i].turns ? sine : distance) += phi[i] * phi[i];
@@ -88,93 +89,215 @@ ClosureConstraint::Apart ClosureConstraint::apart(const Frame& H_a, const Frame&
   return {std::sqrt(distance), angle};
 }
 
-bool ClosureConstraint::right_way(const Frame& H_a, const Frame& H_b) const {
+template <int D>
+bool ClosureConstraintIn<D>::right_way(const FrameD& H_a, const FrameD& H_b) const {
   const Placement at = place(H_a, H_b);
   return std::all_of(aligned_.begin(), aligned_.end(),
                      [&](const auto& pair) { return pair.first.dot(at.R * pair.second) > 0; });
 }
 
-double ClosureConstraint::turn(const Frame& H_a, const Frame& H_b) const {
+template <int D>
+double ClosureConstraintIn<D>::turn(const FrameD& H_a, const FrameD& H_b) const
+  requires(D == 3)
+{
   const Vector3d &e1 = conditions_[3].e, &e2 = conditions_[4].e;
   const Vector3d turned = place(H_a, H_b).R * e1;
   return std::atan2(e2.dot(turned), e1.dot(turned));
 }
 
-ClosureConstraint::Rows ClosureConstraint::on_b(const Placement& at) const {
-  Rows J(size(), 6);
+template <int D>
+typename ClosureConstraintIn<D>::Rows ClosureConstraintIn<D>::on_b(const Placement& at) const {
+  Rows J = Rows::Zero(size(), n);
   for (int i = 0; i < size(); ++i) {
-    const Vector3d e = at.R.transpose() * conditions_[i].e;
+    const PointD e = at.R.transpose() * conditions_[i].e;
     if (conditions_[i].turns) {
-      J.row(i) << 0, 0, 0, length_ * conditions_[i].w.cross(e).transpose();  // eq. (4)
+      J.row(i).template tail<turns<D>>() =
+          length_ * moment_of<D>(conditions_[i].w, e).transpose();  // eq. (4)
     } else {
-      J.row(i) << e.transpose(), 0, 0, 0;  // eq. (3)
+      J.row(i).template head<D>() = e.transpose();  // eq. (3)
     }
   }
   return J;
 }
 
-ClosureConstraint::Jacobian ClosureConstraint::jacobian(const Frame& H_a, const Frame& H_b) const {
+template <int D>
+typename ClosureConstraintIn<D>::Jacobian ClosureConstraintIn<D>::jacobian(const FrameD& H_a,
+                                                                           const FrameD& H_b) const {
   const Placement at = place(H_a, H_b);
-  Rows a(size(), 6);
+  Rows a = Rows::Zero(size(), n);
   for (int i = 0; i < size(); ++i) {
     const Condition& c = conditions_[i];
     if (c.turns) {
-      a.row(i) << 0, 0, 0, length_ * c.e.cross(at.R * c.w).transpose();  // eq. (4)
+      a.row(i).template tail<turns<D>>() = length_ * moment_of<D>(c.e, at.R * c.w).transpose();  // eq. (4)
     } else {
-      a.row(i) << -c.e.transpose(), c.e.cross(at.p).transpose();  // eq. (3)
+      a.row(i) << -c.e.transpose(), moment_of<D>(c.e, at.p).transpose();  // eq. (3)
     }
   }
-  return {a * Ad_a_, on_b(at) * Ad_b_};
+  return {a * adjoint<D>(X_a_inverse_), on_b(at) * adjoint<D>(X_b_inverse_)};
 }
 
-ClosureConstraint::GeometricStiffness ClosureConstraint::geometric_stiffness(const Frame& H_a,
-                                                                             const Frame& H_b,
-                                                                             const Conditions& lambda) const {
+template <int D>
+typename ClosureConstraintIn<D>::Response ClosureConstraintIn<D>::respond(const FrameD& H_a,
+                                                                          const FrameD& H_b,
+                                                                          const Conditions& lambda) const {
   const Placement at = place(H_a, H_b);
-  const Matrix3d& R = at.R;
-  Matrix6d aa = Matrix6d::Zero(), ab = aa, ba = aa, bb = aa;
-  Vector3d n = Vector3d::Zero();
+  Response found{TwistD::Zero(), TwistD::Zero(), Conditions(size())};
+  PointD force = PointD::Zero();
   for (int i = 0; i < size(); ++i) {
     const Condition& c = conditions_[i];
     if (!c.turns) {
-      n += lambda[i] * c.e;
+      force += lambda[i] * c.e;
+      found.gap[i] = c.e.dot(at.p);  // eq. (1)
+      continue;
+    }
+    const PointD Rw = at.R * c.w;
+    const double l = length_ * lambda[i];
+    found.a.template tail<turns<D>>() += l * moment_of<D>(c.e, Rw);
+    found.b.template tail<turns<D>>() += l * moment_of<D>(c.w, at.R.transpose() * c.e);
+    found.gap[i] = length_ * c.e.dot(Rw);  // eq. (2)
+  }
+  found.a.template head<D>() = -force;
+  found.a.template tail<turns<D>>() += moment_of<D>(force, at.p);  // eq. (3)
+  found.b.template head<D>() = at.R.transpose() * force;
+  found.a = adjoint_transpose_product<D>(X_a_inverse_, found.a);
+  found.b = adjoint_transpose_product<D>(X_b_inverse_, found.b);
+  return found;
+}
+
+template <int D>
+typename ClosureConstraintIn<D>::GeometricStiffness ClosureConstraintIn<D>::geometric_stiffness(
+    const FrameD& H_a, const FrameD& H_b, const Conditions& lambda) const {
+  constexpr int t = turns<D>;
+  const Placement at = place(H_a, H_b);
+  const Rotation<D>& R = at.R;
+  const auto lever = [](const PointD& r) { return lever_matrix<D>(r); };                         // τ → r × τ
+  const auto moment = [](const PointD& r) { return (-lever_matrix<D>(r).transpose()).eval(); };  // f → r × f
+  TwistMatrixD aa = TwistMatrixD::Zero(), ab = aa, ba = aa, bb = aa;
+  PointD force = PointD::Zero();
+  for (int i = 0; i < size(); ++i) {
+    const Condition& c = conditions_[i];
+    if (!c.turns) {
+      force += lambda[i] * c.e;
       continue;
     }
     const double l = length_ * lambda[i];
-    const Matrix3d e = skew(c.e), w = skew(c.w);
-    aa.bottomRightCorner<3, 3>() += l * e * skew(R * c.w);
-    ab.bottomRightCorner<3, 3>() -= l * e * R * w;
-    bb.bottomRightCorner<3, 3>() += l * w * skew(R.transpose() * c.e);
-    ba.bottomRightCorner<3, 3>() -= l * w * R.transpose() * e;
+    aa.template bottomRightCorner<t, t>() += l * moment(c.e) * lever(R * c.w);
+    ab.template bottomRightCorner<t, t>() -= l * moment(c.e) * R * lever(c.w);
+    bb.template bottomRightCorner<t, t>() += l * moment(c.w) * lever(R.transpose() * c.e);
+    ba.template bottomRightCorner<t, t>() -= l * moment(c.w) * R.transpose() * lever(c.e);
   }
-  const Matrix3d n_cross = skew(n);
-  aa.bottomLeftCorner<3, 3>() -= n_cross;
-  aa.bottomRightCorner<3, 3>() += n_cross * skew(at.p);
-  ab.bottomLeftCorner<3, 3>() += n_cross * R;
-  bb.topRightCorner<3, 3>() += skew(R.transpose() * n);
-  ba.topRightCorner<3, 3>() -= R.transpose() * n_cross;
-  return {Ad_a_.transpose() * aa * Ad_a_, Ad_a_.transpose() * ab * Ad_b_, Ad_b_.transpose() * ba * Ad_a_,
-          Ad_b_.transpose() * bb * Ad_b_};
+  aa.template bottomLeftCorner<t, D>() -= moment(force);
+  aa.template bottomRightCorner<t, t>() += moment(force) * lever(at.p);
+  ab.template bottomLeftCorner<t, D>() += moment(force) * R;
+  bb.template topRightCorner<D, t>() += lever(R.transpose() * force);
+  ba.template topRightCorner<D, t>() -= R.transpose() * lever(force);
+  const TwistMatrixD Ad_a = adjoint<D>(X_a_inverse_), Ad_b = adjoint<D>(X_b_inverse_);
+  return {Ad_a.transpose() * aa * Ad_a, Ad_a.transpose() * ab * Ad_b, Ad_b.transpose() * ba * Ad_a,
+          Ad_b.transpose() * bb * Ad_b};
 }
 
-Conditions ClosureConstraint::convective(const Frame& H_a, const Frame& H_b, const Vector6d& v_a,
-                                         const Vector6d& v_b) const {
+/// With the rates of (R, p) in the axes of A, where what is fixed in A turns backwards.
+template <int D>
+Conditions ClosureConstraintIn<D>::acceleration(const FrameD& H_a, const FrameD& H_b, const Rates& v,
+                                                const Rates& v_dot) const {
+  const Placement at = place(H_a, H_b);
+  const TwistD a = adjoint_product<D>(X_a_inverse_, v.a), b = adjoint_product<D>(X_b_inverse_, v.b);
+  const TwistD a_dot = adjoint_product<D>(X_a_inverse_, v_dot.a),
+               b_dot = adjoint_product<D>(X_b_inverse_, v_dot.b);
+  const auto cross = [](const TwistD& u, const PointD& r) -> PointD {
+    return turn_cross<D>(u.template tail<turns<D>>(), r);
+  };
+  const PointD of_b = at.R * b.template head<D>();
+  const PointD rate = of_b - a.template head<D>() - cross(a, at.p);  // p'
+  const PointD second = at.R * (b_dot.template head<D>() + cross(b, b.template head<D>())) -
+                        a_dot.template head<D>() - cross(a, of_b) - cross(a_dot, at.p) - cross(a, rate);
   Conditions found(size());
   for (int i = 0; i < size(); ++i) {
-    Conditions one = Conditions::Zero(size());
-    one[i] = 1;
-    const GeometricStiffness K = geometric_stiffness(H_a, H_b, one);
-    found[i] = v_a.dot(K.a_a * v_a + K.a_b * v_b) + v_b.dot(K.b_a * v_a + K.b_b * v_b);
+    const Condition& c = conditions_[i];
+    if (!c.turns) {
+      found[i] = c.e.dot(second);
+      continue;
+    }
+    const PointD Rw = at.R * c.w, spun = at.R * cross(b, c.w);
+    const PointD turned =
+        at.R * (cross(b_dot, c.w) + cross(b, cross(b, c.w))) - cross(a, spun) - cross(a_dot, Rw);
+    found[i] = length_ * c.e.dot(turned - cross(a, spun - cross(a, Rw)));
   }
   return found;
 }
 
-Vector6d ClosureConstraint::wrench_on_b(const Frame& H_a, const Frame& H_b, const Conditions& lambda) const {
+template <int D>
+Twist<D> ClosureConstraintIn<D>::wrench_on_b(const FrameD& H_a, const FrameD& H_b,
+                                             const Conditions& lambda) const {
   const Placement at = place(H_a, H_b);
-  const Vector6d f = -(on_b(at).transpose() * lambda);
-  Vector6d wrench;
-  wrench << at.B.R * f.head<3>(), at.B.R * f.tail<3>();
-  return wrench;
+  return -(adjoint<D>(FrameD::rotation(at.B.R)) * (on_b(at).transpose() * lambda));
 }
+
+namespace {
+
+constexpr double rounding = 1e-12;  // of rotations that are multiplied along an arm
+
+bool is_zero_or_one(double part) { return std::abs(part) < rounding || std::abs(part - 1) < rounding; }
+
+/// Axes of the plane that stay where they are in X when X turns within the plane.
+PlaneAxes axes_in(const Frame& X, const PlaneAxes& node) {
+  const Vector3d normal = X.R.transpose() * node.normal();
+  return PlaneAxes::with_normal(normal, std::abs(normal.x()) > 0.9 ? Vector3d::UnitY() : Vector3d::UnitX());
+}
+
+}  // namespace
+
+/// The e of (1) are orthonormal, and so are the axes e × w of (2) where R = 1 but for a turn about w.
+template <int D>
+auto ClosureConstraintIn<D>::within(const PlaneAxes& at_a, const PlaneAxes& at_b) const
+    -> std::optional<Within>
+  requires(D == 3)
+{
+  const PlaneAxes axes_a = axes_in(X_a_, at_a), axes_b = axes_in(X_b_, at_b);
+  const Vector3d normal = axes_a.normal();
+  Eigen::MatrixXd meet = Eigen::MatrixXd::Zero(size(), 2);
+  Eigen::VectorXd lock = Eigen::VectorXd::Zero(size());
+  const auto locks = std::ranges::count_if(conditions_, &Condition::turns);
+  Vector3d e = Vector3d::Zero(), w;
+  for (int i = 0; i < size(); ++i) {
+    const Condition& c = conditions_[i];
+    if (!c.turns) {
+      meet.row(i) = axes_a.part(c.e).transpose();
+    } else if (locks > 1) {
+      lock[i] = normal.dot(c.e.cross(c.w));
+      e += lock[i] * c.e;
+    } else {  // universal: R turns about both
+      const double off_a = std::abs(normal.dot(c.e)), off_b = std::abs(axes_b.normal().dot(c.w));
+      const bool across = std::max(off_a, off_b) > 1 - rounding;
+      if (!across && std::max(off_a, off_b) > rounding) return {};
+      lock[i] = across ? 0 : 1;
+      e = c.e, w = c.w;
+    }
+  }
+  if (locks == 3) e = axes_a.E.col(0);  // R = 1
+  if (locks > 1) w = normal.cross(e);
+  const Eigen::Matrix2d met = meet.transpose() * meet;
+  if (!is_zero_or_one(met.determinant()) || !is_zero_or_one(lock.squaredNorm())) return {};
+
+  Within found{{node_a_, in_plane(X_a_, at_a, axes_a), node_b_, in_plane(X_b_, at_b, axes_b), length_}, {}};
+  const auto add = [&](bool turns, const Vector2d& e_2, const Vector2d& w_2, const Eigen::VectorXd& of) {
+    found.closure.conditions_.push_back({turns, e_2, w_2});
+    found.combinations.conservativeResize(size(), found.closure.size());
+    found.combinations.template rightCols<1>() = of;
+  };
+  const Vector2d none = Vector2d::Zero();
+  if (met.determinant() > 0.5) {
+    for (int k = 0; k < 2; ++k) add(false, Vector2d::Unit(k), none, meet.col(k));
+  } else {
+    const Vector2d along = met.col(met(0, 0) > met(1, 1) ? 0 : 1).normalized();
+    if (!is_zero_or_one((meet * along).squaredNorm())) return {};
+    add(false, along, none, meet * along);
+  }
+  if (lock.squaredNorm() > 0.5) add(true, axes_a.part(e), axes_b.part(w), lock);
+  return found;
+}
+
+template class ClosureConstraintIn<2>;
+template class ClosureConstraintIn<3>;
 
 }  // namespace flexarm::joints

@@ -5,7 +5,7 @@ namespace flexarm::lanes {
 template <int D>
 TurnNumbersIn<D>::TurnNumbersIn(const Changes& changes, const std::vector<int>& unknowns, int n_rows,
                                 int lanes) {
-  constexpr int n = Changes::n, across = Changes::across;
+  constexpr int n = Changes::n, across = Changes::across, rows = Changes::rows;
   for (const auto& joint : changes.joints()) {
     const auto& constraint = changes.system().constraints()[static_cast<std::size_t>(joint.constraint)];
     joints_.push_back({constraint.coordinate(), unknowns[static_cast<std::size_t>(joint.node_row)],
@@ -13,16 +13,16 @@ TurnNumbersIn<D>::TurnNumbersIn(const Changes& changes, const std::vector<int>& 
                        constraint.type() == joints::JointType::prismatic});
   }
   const int n_joints = static_cast<int>(joints_.size()), m = 2 * across * n_joints;
-  const auto room = [&](Rows& rows, int count) {
-    rows = Rows(count, lanes);
-    return rows.data();
+  const auto room = [&](Rows& kept, int count) {
+    kept = Rows(count, lanes);
+    return kept.data();
   };
   turns_ = {.n_joints = n_joints,
             .n_columns = m,
             .n_rows = n_rows,
             .joints = joints_.data(),
             .scale = room(scale_, 1),
-            .numbers = room(numbers_, (across * across + n + 2 * n * across) * n_joints),
+            .numbers = room(numbers_, (across * across + n + (n + rows) * across) * n_joints),
             .G = room(G_, m * m),
             .W = room(W_, n_rows * m),
             .E = room(E_, across * across * n_joints),

@@ -156,18 +156,16 @@ void PartialResidualsIn<D>::joints(const StateD& state, Slopes& rhs) const {
 
 template <int D>
 void PartialResidualsIn<D>::closures(const StateD& state, Slopes& rhs) const {
-  if constexpr (D == 3) {
-    for (const Eigen::Index k : looped_) {
-      const VariationIn<D>& p = variations_[k];
-      const auto add = [&](const SystemD& model, double sign) {
-        VectorXd r = VectorXd::Zero(system_.n_velocities());
-        model.closures().add_forces(state.frames, system_.of_closures(state), r);
-        rhs.col(k).head(system_.n_free()) += sign * r.head(system_.n_free());
-        rhs.col(k).tail(system_.closures().rows()) += sign * model.closures().violation(state.frames);
-      };
-      add(*p.plus, -1 / p.spread());
-      add(*p.minus, 1 / p.spread());
-    }
+  for (const Eigen::Index k : looped_) {
+    const VariationIn<D>& p = variations_[k];
+    const auto add = [&](const SystemD& model, double sign) {
+      VectorXd r = VectorXd::Zero(system_.n_velocities());
+      const VectorXd phi = model.closures().add_forces(state.frames, system_.of_closures(state), r);
+      rhs.col(k).head(system_.n_free()) += sign * r.head(system_.n_free());
+      rhs.col(k).tail(phi.size()) += sign * phi;
+    };
+    add(*p.plus, -1 / p.spread());
+    add(*p.minus, 1 / p.spread());
   }
 }
 

@@ -66,15 +66,15 @@ namespace {
 
 /// Force of a closure on the base and its moment about the origin, base axes; zero if it does not meet the
 /// base.
-Vector6d closure_on_base(const assembly::SystemIn<3>& system, const assembly::StateIn<3>& state,
-                         std::size_t k) {
+template <int D>
+Twist<D> closure_on_base(const SystemIn<D>& system, const StateIn<D>& state, std::size_t k) {
   const int base = system.pedestal().node;
-  const joints::ClosureConstraint& closure = system.closures()[k];
-  if (closure.node_a() != base && closure.node_b() != base) return Vector6d::Zero();
-  const ClosureForce on_b = closure_force(system, state, k);
-  Vector6d f = on_b.wrench;
-  f.tail<3>() += on_b.at.cross(f.head<3>());
-  return closure.node_a() == base ? Vector6d(-f) : f;
+  const auto& closures = system.closures();
+  const auto& closure = closures[k];
+  if (closure.node_a() != base && closure.node_b() != base) return Twist<D>::Zero();
+  Twist<D> f = closures.wrench_on_b(k, state.frames, system.of_closures(state));
+  f.template tail<turns<D>>() += moment_of<D>(closures.place_on_b(k, state.frames), f.template head<D>());
+  return closure.node_a() == base ? Twist<D>(-f) : f;
 }
 
 }  // namespace
@@ -92,13 +92,12 @@ Vector6d base_wrench(const SystemIn<D>& system, const StateIn<D>& state, const I
       lambda.head(joint.rows()) = state.multipliers.segment(row, joint.rows());
       const int q = joint.coordinate();
       const Twist<D> f = joint.forces(H, state.frames[joint.node_b()], q < 0 ? 0.0 : state.s[q], lambda).a;
-      wrench -= space.wrench_on_base(static_cast<int>(k), adjoint<D>(FrameIn<D>::rotation(H.R)) * f);
+      wrench -= space.wrench_on_base(k, adjoint<D>(FrameIn<D>::rotation(H.R)) * f);
     }
     row += joint.rows();
   }
-  if constexpr (D == 3) {
-    for (std::size_t k = 0; k < system.closures().size(); ++k) wrench += closure_on_base(system, state, k);
-  }
+  for (std::size_t k = 0; k < system.closures().size(); ++k)
+    wrench += space.wrench_on_base(system.constraints().size() + k, closure_on_base(system, state, k));
   return wrench;
 }
 

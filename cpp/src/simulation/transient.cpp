@@ -122,7 +122,7 @@ assembly::StateIn<D> walk(const assembly::SystemIn<D>& system, assembly::StateIn
   record(0, state, loads);
   for (Eigen::Index k = 1; k <= n_steps; ++k) {
     stepper.advance(state, options.step, drive);
-    if constexpr (D == 3) system.closures().check(state.frames, system.reach(), state.t);
+    system.closures().check(state.frames, system.reach(), state.t);
     state.t = options.start + static_cast<double>(k) * options.step;  // no drift from adding up
     record(k, state, stepper.loads());
     if (progress && k % steps_between_looks == 0 && seconds_since(called) > seconds_between_calls) {

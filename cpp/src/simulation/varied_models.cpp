@@ -92,12 +92,10 @@ void PartialResidualsIn<D>::find_others(const VariationIn<D>& p, Eigen::Index co
   pairs(p.plus->constraints(), p.minus->constraints(), joints_);
   pairs(p.plus->gears(), p.minus->gears(), gears_);
   pairs(p.plus->superelements(), p.minus->superelements(), parts_);
-  if constexpr (D == 3) {
-    bool same = true;
-    for (std::size_t k = 0; k < p.plus->closures().size(); ++k)
-      same = same && p.plus->closures()[k] == p.minus->closures()[k];
-    if (!same) looped_.push_back(column);
-  }
+  bool same = true;
+  for (std::size_t k = 0; k < p.plus->closures().size(); ++k)
+    same = same && p.plus->closures()[k] == p.minus->closures()[k];
+  if (!same) looped_.push_back(column);
   for (std::size_t k = 0; k < system_.bodies().size(); ++k) {
     const auto &plus = p.plus->bodies()[k], &minus = p.minus->bodies()[k];
     if (plus == minus) continue;

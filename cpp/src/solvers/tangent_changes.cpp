@@ -19,24 +19,12 @@ constexpr int few_laws = 8;
 template <int n_j>
 using ByRows = Eigen::Matrix<double, n_j, n_j, Eigen::RowMajor>;
 
-/// Translations and rotations across the axis of a joint.
-Eigen::Matrix<double, 6, 4> across_axis(const Twist<3>& motion) {
-  const bool turns = motion.tail<3>().squaredNorm() > 0;
-  const Vector3d axis = turns ? motion.tail<3>() : motion.head<3>();
-  Eigen::Matrix<double, 3, 2> plane;
-  plane.col(0) = axis.unitOrthogonal();
-  plane.col(1) = axis.normalized().cross(plane.col(0));
-  Eigen::Matrix<double, 6, 4> P = Eigen::Matrix<double, 6, 4>::Zero();
-  P.topLeftCorner<3, 2>() = P.bottomRightCorner<3, 2>() = plane;
-  return P;
-}
-
 }  // namespace
 
 template <int D>
 TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds, bool laws,
                                       std::size_t most_joints)
-    : system_(system), follows_constraints_(system.closures().empty()) {
+    : system_(system), follows_constraints_(true) {
   const auto changes = [&](const joints::GearConstraint& gear) {
     const bool ideal = gear.transmission.amplitude == 0 && gear.transmission.windup.empty();
     return system.is_free(gear.input) && !ideal;
@@ -66,19 +54,16 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds, std::size
     if (joint.coordinate() < 0 || joint.node_a() < 0) continue;
     const auto parent = welds.place_of(joint.node_a());
     if (parent.row == WeldsIn<D>::none) continue;  // held to the base
-    Across P;
-    if constexpr (D == 3) {
-      P = across_axis(joint.twist());
-    } else {
-      P.setIdentity();
-    }
+    const auto [P, Q] = directions_of<D>(joint.twist(), joint.type() == joints::JointType::prismatic);
     const FrameIn<D> to_parent = joint.frame_a().inverse() * parent.to_carrier;
-    const Across on_parent = adjoint<D>(to_parent).transpose() * P;
-    joints_.push_back({static_cast<int>(k), welds.row(first_row), parent.row, P, on_parent});
+    joints_.push_back({static_cast<int>(k), -1, welds.row(first_row), parent.row, P,
+                       adjoint<D>(to_parent).transpose() * Q});
   }
+  find_turning_pins(welds);
   if (joints_.size() <= most) return;
   // A hinge of a mount turns by what its spring gives way: the kept factor serves it as it is.
   std::erase_if(joints_, [&](const TurningJoint& joint) {
+    if (joint.constraint < 0) return false;
     const int hinge = system_.constraints()[joint.constraint].coordinate();
     return std::ranges::any_of(system_.laws(), [&](const assembly::PlacedLaw& law) {
       return law.plus == hinge && law.minus < 0 &&
@@ -88,6 +73,26 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds, std::size
   });
   if (joints_.size() > most) joints_.clear();
   follows_constraints_ = false;
+}
+
+/// Closures other than pins and rigid ones, and those of space, are not followed.
+template <int D>
+void TangentChangesIn<D>::find_turning_pins(const WeldsIn<D>& welds) {
+  const auto& closures = system_.closures();
+  for (std::size_t k = 0; k < closures.size(); ++k) {
+    const auto& closure = closures[k];
+    if (D == 3 || closures.slide(k) || !(closure.is_ball() || closure.is_rigid())) {
+      follows_constraints_ = false;
+    } else if (closure.is_ball() && closure.node_b() >= 0) {
+      const auto node = welds.place_of(closure.node_b());
+      if (node.row == WeldsIn<D>::none) continue;
+      const auto [P, Q] = directions_of<D>(Twist<D>::Unit(n - 1), false);
+      const int row = system_.n_unknowns() - closures.rows() + closures.first_condition(k);
+      const FrameIn<D> to_b = closure.frame_b().inverse() * node.to_carrier;
+      joints_.push_back(
+          {-1, static_cast<int>(k), welds.row(row), node.row, P, adjoint<D>(to_b).transpose() * Q});
+    }
+  }
 }
 
 template <int D>
@@ -104,9 +109,13 @@ void TangentChangesIn<D>::find_laws(const WeldsIn<D>& welds) {
 }
 
 template <int D>
-Turned<D> TangentChangesIn<D>::turned_by(const TurningJoint& joint, double theta) const {
+Turned<D> TangentChangesIn<D>::turned_by(const TurningJoint& joint, const assembly::StateIn<D>& state) const {
+  if constexpr (D == 2) {
+    if (joint.closure >= 0) return -system_.closures().turned(joint.closure, state.frames);
+  }
   const auto& constraint = system_.constraints()[joint.constraint];
-  return turned<D>(constraint.twist(), constraint.type() == joints::JointType::prismatic, theta);
+  return turned<D>(constraint.twist(), constraint.type() == joints::JointType::prismatic,
+                   state.s[constraint.coordinate()]);
 }
 
 template <int D>
@@ -115,7 +124,7 @@ void TangentChangesIn<D>::directions(MatrixXd& U) const {
   Eigen::Index column = 0;
   for (const TurningJoint& joint : joints_) {
     U.template block<n, across>(joint.node_row, column) = joint.on_parent;  // eq. (2)
-    U.template block<n, across>(joint.first_row, column + across) = joint.P;
+    U.template block<rows, across>(joint.first_row, column + across) = joint.P;
     column += 2 * across;
   }
   for (int k : laws_) {
@@ -130,10 +139,7 @@ void TangentChangesIn<D>::keep(const assembly::StateIn<D>& state, const assembly
                                const VectorXd& laws, const SparseFactor& factor) {
   factors_ = c;
   kept_laws_ = laws;
-  for (TurningJoint& joint : joints_) {
-    joint.kept_angle = state.s[system_.constraints()[joint.constraint].coordinate()];
-    joint.kept = turned_by(joint, joint.kept_angle);
-  }
+  for (TurningJoint& joint : joints_) joint.kept = turned_by(joint, state);
   if (W_.cols() == 0) return;
   directions(W_);
   factor.solve(W_);
@@ -149,9 +155,8 @@ bool TangentChangesIn<D>::turn_joints(const assembly::StateIn<D>& state) {
   bool any = false;
   Eigen::Index at = 0;
   for (const TurningJoint& joint : joints_) {
-    const double theta = state.s[system_.constraints()[joint.constraint].coordinate()];
-    any = any || theta != joint.kept_angle;
-    const Turned<D> E = factors_.constraint * (joint.kept - turned_by(joint, theta));
+    const Turned<D> E = factors_.constraint * (joint.kept - turned_by(joint, state));
+    any = any || !E.isZero(0);
     C_.template block<across, across>(at + across, at) = E;  // eq. (2)
     C_.template block<across, across>(at, at + across) = E.transpose();
     at += 2 * across;

@@ -74,15 +74,94 @@ TEST_CASE("The geometric stiffness of every closure is the derivative of its for
   }
 }
 
-TEST_CASE("The convective term is what the conditions accelerate by at constant body velocities") {
+TEST_CASE("Conditions accelerate by J v' and by what J v changes by at constant body velocities") {
   unsigned seed = 21;
   for (const ClosureType type : all_types) {
     const Open c = open(type, seed++);
     CAPTURE(static_cast<int>(type));
     const VectorXd v = Random(seed).vector(12);
     const auto rate = [&](const VectorXd& t) -> VectorXd { return jacobian(c, t[0] * v) * v; };
-    const Conditions found = c.closure.convective(c.H_a, c.H_b, v.head<6>(), v.tail<6>());
-    CHECK(error(found, differences(rate, 1)) < 1e-9);
+    const VectorXd v_dot = Random(seed + 40).vector(12);
+    const Conditions found =
+        c.closure.acceleration(c.H_a, c.H_b, {v.head<6>(), v.tail<6>()}, {v_dot.head<6>(), v_dot.tail<6>()});
+    CHECK(error(found, differences(rate, 1) + jacobian(c, VectorXd::Zero(12)) * v_dot) < 1e-9);
+  }
+}
+
+TEST_CASE("Forces and conditions found at once are those of the Jacobian and of the gap") {
+  unsigned seed = 41;
+  for (const ClosureType type : all_types) {
+    const Open c = open(type, seed++);
+    CAPTURE(static_cast<int>(type));
+    const Conditions lambda = Random(seed).vector(c.closure.size(), 4);
+    const auto now = c.closure.respond(c.H_a, c.H_b, lambda);
+    VectorXd forces(12);
+    forces << now.a, now.b;
+    CHECK(error(forces, jacobian(c, VectorXd::Zero(12)).transpose() * lambda) < 1e-12);
+    CHECK(error(now.gap, gap(c, VectorXd::Zero(12))) < 1e-13);
+  }
+}
+
+TEST_CASE("A closure within a plane has the conditions of space that its motion could violate") {
+  struct Case {
+    ClosureType type;
+    double lean;  // of the axis from the normal of the plane [rad]
+    int size;
+    double turn, slide;  // of B in A, about the normal and along the axis
+  };
+  const double flat = std::acos(0.0);
+  const Case cases[] = {{ClosureType::revolute, 0, 2, 0.7, 0},
+                        {ClosureType::revolute, flat, 3, 0, 0},
+                        {ClosureType::spherical, 0.3, 2, 0.7, 0},
+                        {ClosureType::universal, 0, 2, 0.7, 0},
+                        {ClosureType::cylindrical, 0, 2, 0.7, 0},
+                        {ClosureType::cylindrical, flat, 2, 0, 0.4},
+                        {ClosureType::prismatic, 0, 3, 0, 0},
+                        {ClosureType::prismatic, flat, 2, 0, 0.4},
+                        {ClosureType::fixed, 0.3, 3, 0, 0},
+                        {ClosureType::point_on_line, 0, 2, 0.7, 0},
+                        {ClosureType::point_on_line, flat, 1, 0.7, 0.4}};
+  Random random(51);
+  for (const Case& c : cases) {
+    CAPTURE(static_cast<int>(c.type));
+    CAPTURE(c.lean);
+    const Vector3d normal = random.unit();
+    const auto turned = [&](double angle) { return Frame::rotation(exp3(angle * normal)); };
+    const PlaneAxes base = PlaneAxes::with_normal(normal, random.unit());
+    const auto anywhere = [&] {  // with its origin in the plane
+      return Frame{exp3(random.vector(3)), base.embed(random.vector(2))};
+    };
+    const Frame H_a = anywhere(), H_b = anywhere(), A = anywhere();
+    const Vector3d axis = exp3(c.lean * base.E.col(0)) * normal;
+    const Frame B =
+        Frame::translation(c.slide * axis) * Frame::translation(A.x) * turned(c.turn) * Frame::rotation(A.R);
+    const ClosureConstraint closure(c.type, 0, H_a.inverse() * A, 1, H_b.inverse() * B,
+                                    A.R.transpose() * axis, A.R.transpose() * base.E.col(1), 1.7);
+    const PlaneAxes at_a = base.seen_from(H_a.R), at_b = base.seen_from(H_b.R);
+    const auto found = closure.within(at_a, at_b);
+    REQUIRE(found);
+    CHECK(found->closure.size() == c.size);
+    CHECK((found->combinations.transpose() * found->combinations).isIdentity(1e-12));
+    const auto flat_a = in_plane(H_a, base, at_a), flat_b = in_plane(H_b, base, at_b);
+    const auto J = closure.jacobian(H_a, H_b);
+    const auto J_flat = found->closure.jacobian(flat_a, flat_b);
+    CHECK(found->closure.gap(flat_a, flat_b).norm() < 1e-13);
+    CHECK(error(J_flat.a, found->combinations.transpose() * J.a * at_a.within()) < 1e-12);
+    CHECK(error(J_flat.b, found->combinations.transpose() * J.b * at_b.within()) < 1e-12);
+    const MatrixXd P = found->combinations * found->combinations.transpose();  // all others hold anyway
+    CHECK(largest(J.a * at_a.within() - P * J.a * at_a.within()) < 1e-12);
+    CHECK(largest(J.b * at_b.within() - P * J.b * at_b.within()) < 1e-12);
+  }
+}
+
+TEST_CASE("A closure that ties what lies across a plane to what lies within has no part within") {
+  const PlaneAxes axes = PlaneAxes::with_normal(Vector3d::UnitZ(), Vector3d::UnitX());
+  const Vector3d leaning(0.6, 0, 0.8);
+  for (const ClosureType type : {ClosureType::revolute, ClosureType::universal, ClosureType::cylindrical,
+                                 ClosureType::point_on_line}) {
+    CAPTURE(static_cast<int>(type));
+    const ClosureConstraint closure(type, 0, {}, 1, {}, leaning, Vector3d(0.8, 0.1, -0.6), 1);
+    CHECK(!closure.within(axes, axes));
   }
 }
 

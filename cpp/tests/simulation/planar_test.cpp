@@ -26,7 +26,7 @@ struct Runs {
 
 /// The same motion in the plane and in space.
 Runs both(const model::Arm& arm, std::map<std::string, DriveKind> drives, const Loads& loads = {},
-          double step = 4e-3) {
+          double step = 4e-3, double tolerance = 1e-10) {
   const System system(arm, drives);
   const std::vector<double> start(arm.joints.size(), 0.2);
   const Equilibrium rest = static_equilibrium(system, start, loads);
@@ -37,6 +37,7 @@ Runs both(const model::Arm& arm, std::map<std::string, DriveKind> drives, const 
   TransientOptions options;
   options.end = 0.6;
   options.step = step;
+  options.tolerance = tolerance;
   options.record_rotations = options.record_energies = options.record_forces = true;
   options.dimension = Dimension::plane;
   Runs runs;
@@ -90,6 +91,32 @@ const std::map<std::string, DriveKind> both_driven = {{"shoulder", DriveKind::mo
 model::Arm flat_two_link_arm() {
   model::Arm arm = two_link_arm();
   for (auto& link : arm.links) std::get<model::BeamLink>(link).up = Vector3d::UnitZ();
+  return arm;
+}
+
+/// One joint is driven, those of the loop follow.
+std::map<std::string, DriveKind> driven_by(const std::string& name, const model::Arm& arm) {
+  std::map<std::string, DriveKind> drives;
+  for (const auto& joint : arm.joints) {
+    if (joint.type != JointType::fixed) drives[joint.name] = DriveKind::free;
+  }
+  drives[name] = DriveKind::motor_angle;
+  return drives;
+}
+
+/// Of an arm with a loop, whose forces take up more of what an iteration leaves.
+Transient check_same_in_loop(const model::Arm& arm, const std::string& driven) {
+  const Runs runs = both(arm, driven_by(driven, arm), {}, 4e-3, 1e-13);
+  check_same(runs, 1e-6);
+  return runs.plane;
+}
+
+/// A crane whose loop lies in the plane, and its boom's section square to it.
+model::Arm flat_crane_arm(bool rigid) {
+  model::Arm arm = rigid ? rigid_crane_arm() : crane_arm();
+  if (auto* boom = std::get_if<model::BeamLink>(&arm.links[0])) boom->up = Vector3d::UnitZ();
+  if (auto* boom = std::get_if<model::RigidLink>(&arm.links[0])) boom->com.y() = 0;
+  for (auto& joint : arm.joints) joint.drive_train.bearing = {joints::ViscousFriction{2.0}};
   return arm;
 }
 
@@ -174,6 +201,87 @@ TEST_CASE("A reduced tube, whose modes of equal frequency lie in any plane, move
   skew_part.mass(5, 1) = skew_part.mass(1, 5);
   arm.links[0] = skew_part;
   CHECK(obstacle(arm, {}, hinge_driven) == doctest::Contains("link 'tube' is not symmetric to the plane"));
+}
+
+TEST_CASE("A flat loop, flexible or rigid, moves in its plane as in space, also where a pin gives") {
+  for (const bool rigid : {false, true}) {
+    CAPTURE(rigid);
+    auto arm = flat_crane_arm(rigid);
+    check_same_in_loop(arm, "piston");
+    arm.closures[0].mount = {{.axis = Vector3d::UnitX(), .stiffness = 1e6, .type = JointType::prismatic},
+                             {.axis = Vector3d::UnitZ(), .stiffness = 2e6, .type = JointType::prismatic}};
+    arm.closures[0].bearing = {joints::ViscousFriction{5.0}};
+    check_same_in_loop(arm, "piston");
+  }
+}
+
+TEST_CASE("Every kind of closure moves in a plane as in space") {
+  using joints::ClosureType;
+  auto arm = flat_crane_arm(true);
+  for (const auto type : {ClosureType::spherical, ClosureType::universal, ClosureType::cylindrical,
+                          ClosureType::point_on_line}) {  // all of them pins here
+    CAPTURE(static_cast<int>(type));
+    arm.closures[0].type = type;
+    arm.closures[0].second_axis = Vector3d::UnitZ();
+    check_same_in_loop(arm, "piston");
+  }
+  arm.links.push_back(model::RigidLink{"eye", 0.5, {0.05, 0, 0}, 1e-3 * Matrix3d::Identity()});
+  arm.joints.push_back({.name = "eye_pin",
+                        .parent = "boom",
+                        .child = "eye",
+                        .origin = Frame::translation({1.2, 0, -0.1}),
+                        .axis = Vector3d::UnitY()});
+  arm.closures[0].b = "eye";
+  arm.closures[0].b_origin = {};
+  arm.closures[0].type = ClosureType::fixed;
+  check_same_in_loop(arm, "piston");
+  arm.joints[2].type = JointType::fixed;  // the eye slides along the rod
+  arm.closures[0].axis = Vector3d::UnitZ();
+  for (const auto type : {ClosureType::prismatic, ClosureType::cylindrical}) {
+    CAPTURE(static_cast<int>(type));
+    arm.closures[0].type = type;
+    check_same_in_loop(arm, "boom_pin");
+  }
+  arm.closures[0].type = ClosureType::point_on_line;
+  arm.joints[3].type = JointType::fixed;
+  check_same_in_loop(arm, "boom_pin");
+}
+
+TEST_CASE("A loop that is closed on the base moves in a plane as in space, its base wrench as well") {
+  auto arm = flat_crane_arm(true);
+  arm.joints[1] = {.name = "cylinder_pin",
+                   .parent = "boom",
+                   .child = "cylinder",
+                   .origin = Frame::translation({1.2, 0, -0.1}),
+                   .axis = -Vector3d::UnitY()};
+  auto& eye = arm.closures[0];
+  eye.b = "base";
+  eye.b_origin = Frame::translation({0.3, 0.5, 0.2});
+  arm.joints[0].origin = Frame::translation({0, 0.5, 1});  // all beside the plane through the base's origin
+  arm.assembly = {{"boom_pin", -0.05}, {"cylinder_pin", 2.24}, {"piston", 0.2}};
+  const Transient run = check_same_in_loop(arm, "piston");
+  std::swap(eye.a, eye.b);
+  std::swap(eye.a_origin, eye.b_origin);
+  const Transient swapped = both(arm, driven_by("piston", arm), {}, 4e-3, 1e-13).plane;
+  CHECK(relative_error(swapped.position, run.position) < 1e-9);
+  CHECK(relative_error(swapped.joint_torque, run.joint_torque) < 1e-6);
+  CHECK(relative_error(swapped.base_wrench, run.base_wrench) < 1e-6);
+}
+
+TEST_CASE("Closures that leave the plane are named, and conditions repeated within it") {
+  auto arm = flat_crane_arm(true);
+  arm.closures[0].type = joints::ClosureType::point_on_line;
+  arm.closures[0].axis = {0, 1, 1};
+  CHECK(obstacle(arm, {}, driven_by("piston", arm)) ==
+        doctest::Contains("closure 'rod_eye' ties what lies across"));
+  arm = flat_crane_arm(true);
+  arm.closures[0].a_origin.x.y() = arm.closures[0].b_origin.x.y() = 0.1;
+  CHECK(obstacle(arm, {}, driven_by("piston", arm)) == doctest::Contains("closure 'rod_eye' stands beside"));
+  arm = flat_crane_arm(true);
+  arm.closures.push_back(arm.closures[0]);
+  arm.closures[1].name = "second eye";
+  CHECK(obstacle(arm, {}, driven_by("piston", arm)) ==
+        doctest::Contains("repeat conditions within the plane"));
 }
 
 TEST_CASE("What leaves the plane is named") {

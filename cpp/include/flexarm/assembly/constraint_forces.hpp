@@ -23,10 +23,8 @@ void add_constraint_forces_on_nodes(const SystemIn<D>& system, const StateIn<D>&
     if (a >= 0) r.template segment<n>(n * a) += f.a;
     row += m;
   }
-  if constexpr (D == 3) {
-    const LoopClosures& closures = system.closures();
-    if (!closures.empty()) closures.add_forces(state.frames, multipliers.tail(closures.rows()), r);
-  }
+  const LoopClosuresIn<D>& closures = system.closures();
+  if (!closures.empty()) closures.add_forces(state.frames, multipliers.tail(closures.rows()), r);
 }
 
 /// Adds the rows of the scalar coordinates; `r` has nothing else.

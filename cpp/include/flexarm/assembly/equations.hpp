@@ -146,7 +146,7 @@ class SystemIn {
   const std::vector<joints::GearConstraint>& gears() const { return gears_; }
   /// The transmission of a joint; null without one.
   const joints::Transmission* transmission(int joint) const;
-  const LoopClosures& closures() const { return closures_; }  ///< in space only
+  const LoopClosuresIn<D>& closures() const { return closures_; }
   /// Multipliers of the closures.
   Eigen::Ref<const VectorXd> of_closures(const StateD& state) const {
     return state.multipliers.tail(closures_.rows());
@@ -256,7 +256,7 @@ class SystemIn {
   std::vector<elements::WeightIn<D>> weights_;  // one a node
   std::vector<Joint> constraints_;
   std::vector<joints::GearConstraint> gears_;
-  LoopClosures closures_;
+  LoopClosuresIn<D> closures_;
   std::vector<PlacedLaw> laws_;
   std::vector<JointCoordinates> joint_coordinates_;
   PedestalCoordinates pedestal_;

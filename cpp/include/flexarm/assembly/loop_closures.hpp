@@ -10,7 +10,8 @@
 ///     1 − N Nᵀ = P Pᵀ,   Pᵀ P = 1                                                                   (2)
 ///
 /// by Cholesky's method with pivots, which leaves single conditions single. The forces λ = P μ are those
-/// without a part along N, hence the smallest: rigid links do not tell more. P = 1 where nothing repeats.
+/// without a part along N, hence the smallest: rigid links do not tell more. P = 1 where nothing repeats, as
+/// in a plane (D = 2), whose conditions do not hold what its motion cannot leave.
 #pragma once
 
 #include <optional>
@@ -24,28 +25,37 @@ namespace flexarm::assembly {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using geometry::Frame;
-using joints::ClosureConstraint;
+using joints::Conditions;
 
-class LoopClosures {
+template <int D>
+class LoopClosuresIn {
  public:
-  using Frames = std::vector<Frame>;
+  static constexpr int n = geometry::freedoms<D>;
+  using FrameD = geometry::FrameIn<D>;
+  using TwistD = geometry::Twist<D>;
+  using TwistMatrixD = geometry::TwistMatrix<D>;
+  using Frames = std::vector<FrameD>;
+  using Closure = joints::ClosureConstraintIn<D>;
+  using Slide = BeamSlideIn<D>;
 
-  /// @param slide takes the place of the closure's two conditions where a point slides along a beam.
-  void add(const std::string& name, const ClosureConstraint& closure, std::optional<BeamSlide> slide = {});
+  /// @param slide takes the place of the closure's conditions where a point slides along a beam.
+  void add(const std::string& name, const Closure& closure, std::optional<Slide> slide = {});
 
   bool empty() const { return closures_.empty(); }
   std::size_t size() const { return closures_.size(); }
   const std::string& name(std::size_t k) const { return names_[k]; }
-  const ClosureConstraint& operator[](std::size_t k) const { return closures_[k]; }
+  const Closure& operator[](std::size_t k) const { return closures_[k]; }
+  const std::optional<Slide>& slide(std::size_t k) const { return slides_[k]; }
   int rows() const { return static_cast<int>(P_.cols()); }        ///< of Φ
   int conditions() const { return static_cast<int>(P_.rows()); }  ///< of g
   int redundant() const { return conditions() - rows(); }
+  int first_condition(std::size_t k) const { return first_[k]; }  ///< of a closure, in g
+  const MatrixXd& counted() const { return P_; }                  ///< P
 
   /// Equation (2) from N, whose columns are orthonormal.
   void leave_out(const MatrixXd& N);
   /// Takes P of the same closures at slightly other places, so that rows of Φ mean the same.
-  void count_as(const LoopClosures& other) { P_ = other.P_; }
+  void count_as(const LoopClosuresIn& other) { P_ = other.P_; }
 
   VectorXd gap(const Frames& frames) const;                                                ///< g [m]
   VectorXd violation(const Frames& frames) const { return P_.transpose() * gap(frames); }  ///< Φ
@@ -54,22 +64,25 @@ class LoopClosures {
   /// @throws NotConverged if that is more than 1e-7 of the reach [m], at a time t [s].
   void check(const Frames& frames, double reach, double t) const;
 
-  /// Adds Φ_qᵀ μ to the rows of the nodes.
-  void add_forces(const Frames& frames, const Eigen::Ref<const VectorXd>& mu, VectorXd& r) const;
+  /// Adds Φ_qᵀ μ to the rows of the nodes. @return Φ
+  VectorXd add_forces(const Frames& frames, const Eigen::Ref<const VectorXd>& mu, VectorXd& r) const;
 
   /// λ of a closure.
-  joints::Conditions multipliers(std::size_t k, const Eigen::Ref<const VectorXd>& mu) const;
+  Conditions multipliers(std::size_t k, const Eigen::Ref<const VectorXd>& mu) const;
 
   /// Φ'' for velocities and accelerations of the nodes.
   VectorXd acceleration(const Frames& frames, const VectorXd& v, const VectorXd& v_dot) const;
 
   /// Force and moment of a closure on b at the origin of B, base axes.
-  geometry::Vector6d wrench_on_b(std::size_t k, const Frames& frames,
-                                 const Eigen::Ref<const VectorXd>& mu) const;
+  TwistD wrench_on_b(std::size_t k, const Frames& frames, const Eigen::Ref<const VectorXd>& mu) const;
 
   /// Origin of B in the base.
-  geometry::Vector3d place_on_b(std::size_t k, const Frames& frames) const {
+  geometry::Point<D> place_on_b(std::size_t k, const Frames& frames) const {
     return closures_[k].place_on_b(frame(frames, closures_[k].node_b()));
+  }
+  /// How B is turned against A.
+  geometry::Rotation<D> turned(std::size_t k, const Frames& frames) const {
+    return closures_[k].turned(frame(frames, closures_[k].node_a()), frame(frames, closures_[k].node_b()));
   }
 
   /// Tells entries of Φ_q, and of the geometric stiffness for multipliers mu:
@@ -79,55 +92,59 @@ class LoopClosures {
             Stiffen&& stiffen) const;
 
  private:
-  static const Frame& frame(const Frames& frames, int node) {
-    static const Frame base;
+  static const FrameD& frame(const Frames& frames, int node) {
+    static const FrameD base;
     return node < 0 ? base : frames[static_cast<std::size_t>(node)];
   }
+  int size_of(std::size_t k) const { return slides_[k] ? D - 1 : closures_[k].size(); }
   Eigen::Block<const MatrixXd> part(std::size_t k) const {  // rows of P of a closure
-    return P_.middleRows(first_[k], closures_[k].size());
+    return P_.middleRows(first_[k], size_of(k));
   }
 
   std::vector<std::string> names_;
-  std::vector<ClosureConstraint> closures_;
-  std::vector<std::optional<BeamSlide>> slides_;
+  std::vector<Closure> closures_;
+  std::vector<std::optional<Slide>> slides_;
   std::vector<int> first_;  // row of g
   MatrixXd P_;
 };
 
+using LoopClosures = LoopClosuresIn<3>;
+
+template <int D>
 template <class Constrain, class Stiffen>
-void LoopClosures::emit(const Frames& frames, const Eigen::Ref<const VectorXd>& mu, Constrain&& constrain,
-                        Stiffen&& stiffen) const {
+void LoopClosuresIn<D>::emit(const Frames& frames, const Eigen::Ref<const VectorXd>& mu,
+                             Constrain&& constrain, Stiffen&& stiffen) const {
   for (std::size_t k = 0; k < closures_.size(); ++k) {
-    const auto entries = [&](int node, const ClosureConstraint::Rows& of) {
+    const auto entries = [&](int node, const auto& of) {
       if (node < 0) return;
       for (int i = 0; i < this->rows(); ++i) {
         if (part(k).col(i).isZero(0)) continue;
-        const Eigen::Matrix<double, 1, 6> row = part(k).col(i).transpose() * of;
-        for (int j = 0; j < 6; ++j) constrain(i, 6 * node + j, row[j]);
+        const Eigen::Matrix<double, 1, n> row = part(k).col(i).transpose() * of;
+        for (int j = 0; j < n; ++j) constrain(i, n * node + j, row[j]);
       }
     };
-    const auto block = [&](int row, int column, const geometry::Matrix6d& of) {
+    const auto block = [&](int row, int column, const TwistMatrixD& of) {
       if (row < 0 || column < 0) return;
-      for (int j = 0; j < 6; ++j)
-        for (int i = 0; i < 6; ++i) stiffen(6 * row + i, 6 * column + j, of(i, j));
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) stiffen(n * row + i, n * column + j, of(i, j));
     };
-    if (const std::optional<BeamSlide>& slide = slides_[k]) {
+    if (const std::optional<Slide>& slide = slides_[k]) {
       const std::size_t touched = slide->touched(frames);
-      const BeamSlide::Rows J = slide->jacobian(frames);
-      const BeamSlide::Stiffness K = slide->geometric_stiffness(frames, multipliers(k, mu));
+      const typename Slide::Rows J = slide->jacobian(frames);
+      const typename Slide::Stiffness K = slide->geometric_stiffness(frames, multipliers(k, mu));
       for (std::size_t e = 0; e < slide->size(); ++e) {  // zeros elsewhere: the point may slide there
         const double here = e == touched ? 1 : 0;
         const std::array<int, 3> nodes = slide->nodes(e);
         for (int i = 0; i < 3; ++i) {
-          entries(nodes[i], here * J.middleCols<6>(6 * i));
-          for (int j = 0; j < 3; ++j) block(nodes[i], nodes[j], here * K.block<6, 6>(6 * i, 6 * j));
+          entries(nodes[i], here * J.template middleCols<n>(n * i));
+          for (int j = 0; j < 3; ++j) block(nodes[i], nodes[j], here * K.template block<n, n>(n * i, n * j));
         }
       }
       continue;
     }
-    const ClosureConstraint& closure = closures_[k];
+    const Closure& closure = closures_[k];
     const int a = closure.node_a(), b = closure.node_b();
-    const Frame &H_a = frame(frames, a), &H_b = frame(frames, b);
+    const FrameD &H_a = frame(frames, a), &H_b = frame(frames, b);
     const auto J = closure.jacobian(H_a, H_b);
     const auto K = closure.geometric_stiffness(H_a, H_b, multipliers(k, mu));
     entries(a, J.a);

@@ -20,6 +20,8 @@ class System : public SystemIn<3> {
   /// The undeformed arm at these joint values (one a joint), at rest. Free joints of loops follow the others.
   /// @throws InvalidParameter if a loop cannot be closed there, or nothing tells where its joints are.
   State rigid_state(const std::vector<double>& joint_values) const;
+  /// The same without closing loops.
+  State open_state(const std::vector<double>& joint_values) const;
 
   /// Takes the conditions of closures that count in a model whose closures are nearly the same.
   /// @throws InvalidParameter if it has others
@@ -45,7 +47,6 @@ class System : public SystemIn<3> {
   void place_transmissions();
   void place_masses();
   void place_closures();
-  State placed(const std::vector<double>& joint_values) const;  // the tree alone
   void place_hinges_of_closures(State& state) const;
   void close_loops();
   std::vector<int> chain_to(int link) const;  // joints from a link to the base

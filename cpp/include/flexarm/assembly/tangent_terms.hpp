@@ -191,19 +191,17 @@ void SystemIn<D>::emit_joints(const StateD& state, WantedTerms wanted, Terms& te
 template <int D>
 template <class Terms>
 void SystemIn<D>::emit_closures(const StateD& state, WantedTerms wanted, Terms& terms) const {
-  if constexpr (D == 3) {
-    if (closures_.empty()) return;
-    VectorXd mu = VectorXd::Zero(closures_.rows());
-    if (wanted.stiffness) mu = of_closures(state);
-    const int first_row = n_unknowns() - closures_.rows();
-    closures_.emit(
-        state.frames, mu,
-        [&](int row, int column, double value) {
-          terms.constrain(first_row + row, column, value);
-          terms.constrain(column, first_row + row, value);
-        },
-        [&](int row, int column, double value) { terms.stiffen(row, column, value); });
-  }
+  if (closures_.empty()) return;
+  VectorXd mu = VectorXd::Zero(closures_.rows());
+  if (wanted.stiffness) mu = of_closures(state);
+  const int first_row = n_unknowns() - closures_.rows();
+  closures_.emit(
+      state.frames, mu,
+      [&](int row, int column, double value) {
+        terms.constrain(first_row + row, column, value);
+        terms.constrain(column, first_row + row, value);
+      },
+      [&](int row, int column, double value) { terms.stiffen(row, column, value); });
 }
 
 }  // namespace flexarm::assembly

@@ -70,7 +70,7 @@ struct Turns {
   int n_joints, n_columns, n_rows;  ///< of U, and of W
   const TurningJoint* joints;
   const double* scale;    ///< s
-  const double* numbers;  ///< T(θ₀) (across²), ξ (n), Ad_aᵀ P, P (n across each) of each joint
+  const double* numbers;  ///< T(θ₀) (across²), ξ (n), Ad_aᵀ Q (n across), P (rows across) of each joint
   const double* G;        ///< (n_columns, n_columns)
   const double* W;        ///< (n_rows, n_columns), by blocks of rows
   double* E;              ///< (across²) of each joint

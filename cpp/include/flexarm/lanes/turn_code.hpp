@@ -48,8 +48,8 @@ class TurnCode : protected RowCode<N, Processor> {
     for (int i = 0; i < turns.n_joints; ++i) {
       const double* own = turns.numbers + N * (numbers * i + across * across + n);
       const Part on_node = matrix<Across>(own, 0).transpose() * matrix<Twist>(x, turns.joints[i].node),
-                 on_row = matrix<Across>(own, n * across).transpose() *
-                          matrix<Twist>(x, turns.joints[i].multipliers);
+                 on_row = matrix<RowAcross>(own, n * across).transpose() *
+                          matrix<Multipliers>(x, turns.joints[i].multipliers);
       put_matrix(along, both * i, on_node);
       put_matrix(along, both * i + across, on_row);
     }
@@ -69,11 +69,14 @@ class TurnCode : protected RowCode<N, Processor> {
 
  private:
   static constexpr int n = geometry::freedoms<D>, across = solvers::across_joint<D>, both = 2 * across;
-  static constexpr int numbers = across * across + n + 2 * n * across;  // of a joint
+  static constexpr int rows = solvers::rows_across<D>;
+  static constexpr int numbers = across * across + n + (n + rows) * across;  // of a joint
   using Turned = solvers::Turned<D, Real>;
   using Twist = geometry::Twist<D, Real>;
   using Part = Eigen::Matrix<Real, across, 1>;
   using Across = Eigen::Matrix<Real, n, across>;
+  using RowAcross = Eigen::Matrix<Real, rows, across>;
+  using Multipliers = Eigen::Matrix<Real, rows, 1>;
   using Square = Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
   struct Factors {

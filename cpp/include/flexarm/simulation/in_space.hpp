@@ -26,7 +26,7 @@ class InSpace<3> {
   Matrix3d orientation(int, const Matrix3d& R) const { return R; }
   Vector3d spin_at_point(int, const Vector3d& omega) const { return omega; }
   Vector6d wrench_at_node(int, const Vector6d& f) const { return f; }
-  Vector6d wrench_on_base(int, const Vector6d& f) const { return f; }
+  Vector6d wrench_on_base(std::size_t, const Vector6d& f) const { return f; }
 };
 
 template <>
@@ -52,10 +52,10 @@ class InSpace<2> {
   /// The node's axes.
   Vector6d wrench_at_node(int node, const Twist<2>& f) const { return plane_.node_axes(node).within() * f; }
   /// Base axes, about the base's origin: a joint beside the plane through it has a lever.
-  Vector6d wrench_on_base(int joint, const Twist<2>& f) const {
+  Vector6d wrench_on_base(std::size_t constraint, const Twist<2>& f) const {
     const auto& base = plane_.base_axes();
     Vector6d wrench = base.within() * f;
-    wrench.tail<3>() += plane_.ground_distance(joint) * base.normal().cross(wrench.head<3>());
+    wrench.tail<3>() += plane_.ground_distance(constraint) * base.normal().cross(wrench.head<3>());
     return wrench;
   }
 

@@ -6,14 +6,19 @@
 ///
 /// A joint between two links that move turns one link's axes against the other's: of its constraint (eq. (2)
 /// of joints/joint_constraint.hpp) Φ_a = −Ad(exp(−ξ θ)) Ad_a follows θ. Only directions across the joint's
-/// axis turn; with P a base of their translations and rotations, s the scale of the constraints, and e_a, e_λ
-/// the places of the parent's node and of the multipliers,
+/// axis turn; with P a base of those of the multipliers and Q of the twists, s the scale of the constraints,
+/// and e_a, e_λ the places of the parent's node and of the multipliers,
 ///
-///     U_J = [e_a Ad_aᵀ P,  e_λ P],   C = [0  Eᵀ; E  0],   E = −s Pᵀ (Ad(exp(−ξ θ)) − Ad(exp(−ξ θ₀))) P (2)
+///     U_J = [e_a Ad_aᵀ Q,  e_λ P],   C = [0  Eᵀ; E  0],   E = −s (T(θ) − T(θ₀))                       (2)
 ///
-/// Of these directions, T = Pᵀ Ad(exp(−ξ θ)) P is a turn or a slide, with J = [0 1; −1 0]
+/// where Ad(exp(−ξ θ)) = P T Qᵀ and what stays. In space P = Q are translations and rotations across the
+/// axis, with J = [0 1; −1 0]
 ///
 ///     revolute: T = diag(t, t), t = cos θ I + sin θ J          prismatic: T = [I  θ J; 0  I]         (3)
+///
+/// In the plane a hinge turns the two translations by t, a slide moves P = J ξ by −θ with a turn of the
+/// parent. A pin that closes a loop in the plane turns the translations of its node b by T = −R
+/// (joints/closure_constraint.hpp), and one that lets nothing move changes nothing.
 ///
 /// Without (2) the iteration of an arm with an inner hinge contracts by some 0.3 a radian that the hinge has
 /// turned since the factors were made. A joint on the base has no such term.
@@ -78,13 +83,14 @@ class TangentChangesIn {
   const Eigen::VectorXd& forces(const assembly::StateIn<D>& state, const Eigen::VectorXd& along);
 
   static constexpr int n = geometry::freedoms<D>, across = across_joint<D>;
-  using Across = Eigen::Matrix<double, n, across>;
+  static constexpr int rows = rows_across<D>;
 
   struct TurningJoint {
-    int constraint, first_row, node_row;  // of the multipliers, of the parent's node or its carrier
-    Across P, on_parent;                  // P, Ad_aᵀ P
-    double kept_angle = 0;
-    Turned<D> kept = Turned<D>::Zero();  // T(θ₀)
+    int constraint, closure;  // one of them, the other is −1
+    int first_row, node_row;  // of the multipliers, of the parent's node or its carrier
+    Eigen::Matrix<double, rows, across> P;
+    Eigen::Matrix<double, n, across> on_parent;  // Ad_aᵀ Q
+    Turned<D> kept = Turned<D>::Zero();          // T(θ₀)
   };
 
   /// What lanes/turn_numbers.hpp needs for (5).
@@ -101,15 +107,17 @@ class TangentChangesIn {
   /// The same of entries x(row).
   template <class Entries>
   void find_along(const Entries& x, Eigen::VectorXd& Ux) const {
-    const auto twist = [&](int first) {
-      geometry::Twist<D> found;
-      for (int i = 0; i < n; ++i) found[i] = x(first + i);
+    const auto part = [&]<int size>(int first, std::integral_constant<int, size>) {
+      Eigen::Matrix<double, size, 1> found;
+      for (int i = 0; i < size; ++i) found[i] = x(first + i);
       return found;
     };
+    constexpr std::integral_constant<int, n> of_node;
+    constexpr std::integral_constant<int, rows> of_row;
     Eigen::Index at = 0;
     for (const TurningJoint& joint : joints_) {
-      Ux.template segment<across>(at) = joint.on_parent.transpose() * twist(joint.node_row);
-      Ux.template segment<across>(at + across) = joint.P.transpose() * twist(joint.first_row);
+      Ux.template segment<across>(at) = joint.on_parent.transpose() * part(joint.node_row, of_node);
+      Ux.template segment<across>(at + across) = joint.P.transpose() * part(joint.first_row, of_row);
       at += 2 * across;
     }
     const auto entry = [&](int row) { return row >= 0 ? x(row) : 0.0; };
@@ -124,7 +132,8 @@ class TangentChangesIn {
 
   void find_turning_joints(const WeldsIn<D>& welds, std::size_t most);
   void find_laws(const WeldsIn<D>& welds);
-  Turned<D> turned_by(const TurningJoint& joint, double theta) const;  // T
+  void find_turning_pins(const WeldsIn<D>& welds);
+  Turned<D> turned_by(const TurningJoint& joint, const assembly::StateIn<D>& state) const;  // T
   bool turn_joints(const assembly::StateIn<D>& state);
   void find_laws_here(const assembly::StateIn<D>& state);
   void directions(Eigen::MatrixXd& U) const;
