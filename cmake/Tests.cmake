@@ -5,7 +5,9 @@ find_package(doctest REQUIRED)
 file(GLOB_RECURSE test_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cpp/tests/*.cpp)
 add_library(flexarm_test_objects OBJECT ${test_sources})
 target_link_libraries(flexarm_test_objects PRIVATE flexarm_common flexarm_options doctest::doctest)
-set_target_properties(flexarm_test_objects PROPERTIES UNITY_BUILD OFF) # each file has helpers of its own
+# Each test file has a namespace of its own, so that several compile as one.
+set_target_properties(flexarm_test_objects PROPERTIES UNITY_BUILD_BATCH_SIZE 6)
+set_source_files_properties(${PROJECT_SOURCE_DIR}/cpp/tests/main.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 target_include_directories(flexarm_test_objects PRIVATE ${PROJECT_SOURCE_DIR}/cpp/tests)
 # A fifth to a third less to compile; the library that they test keeps its own options.
 target_compile_options(flexarm_test_objects PRIVATE $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)

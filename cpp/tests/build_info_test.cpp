@@ -4,6 +4,8 @@
 
 #include "flexarm/solvers/fill_ordering.hpp"
 
+namespace flexarm::tests::build_info_test {
+
 namespace {
 
 bool names(const std::string& text, const char* word) { return text.find(word) != std::string::npos; }
@@ -30,3 +32,5 @@ TEST_CASE("The BLAS is the one that CHOLMOD calls") {
   CHECK(names(info.blas, "none") == names(info.cholmod, "not used"));
   CHECK(!info.blas.empty());
 }
+
+}  // namespace flexarm::tests::build_info_test

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+namespace flexarm::tests::errors_test {
+
 TEST_CASE("A failed iteration carries when and how far from equilibrium it stopped") {
   try {
     throw flexarm::NotConverged("step 412, t = 0.824 s: residual 3.1e-02 N", 0.824, 12, 3.1e-2);
@@ -18,3 +20,5 @@ TEST_CASE("A value that the model cannot take is an invalid argument") {
   CHECK_THROWS_AS(throw flexarm::InvalidParameter("link 'forearm': EI must be positive"),
                   std::invalid_argument);
 }
+
+}  // namespace flexarm::tests::errors_test

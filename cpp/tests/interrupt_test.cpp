@@ -10,7 +10,7 @@
 #include "flexarm/solvers/cholesky_factor.hpp"
 #include "flexarm/solvers/eigenmodes.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::interrupt_test {
 
 namespace {
 
@@ -54,3 +54,5 @@ TEST_CASE("Long computations end when they are told to, and go on when they are 
   stopping.wait();
   CHECK_THROWS_AS(factor.solve(X), Stop);
 }
+
+}  // namespace flexarm::tests::interrupt_test

@@ -6,6 +6,8 @@
 
 #include "flexarm/errors.hpp"
 
+namespace flexarm::tests::number_rows_test {
+
 using flexarm::number_rows;
 
 TEST_CASE("Cells between commas become numbers, the nearest that a double can hold") {
@@ -43,3 +45,5 @@ TEST_CASE("A column that no row has is an error") {
   CHECK_THROWS_AS(number_rows("1,2", 2, {2}), flexarm::InvalidParameter);
   CHECK_THROWS_AS(number_rows("1,2", 2, {-1}), flexarm::InvalidParameter);
 }
+
+}  // namespace flexarm::tests::number_rows_test

@@ -5,7 +5,8 @@
 #include "beams.hpp"
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::beam_slide_test {
+
 using namespace flexarm::geometry;
 using flexarm::assembly::BeamSlide;
 
@@ -84,3 +85,5 @@ TEST_CASE("The force of a slide is normal to the axis where it touches") {
                           b.frames[4].inverse() * beam.interpolate(b.frames[1], b.frames[2], xi).x);
   CHECK(std::abs(on_axis.force_on_b(b.frames, lambda).dot(tangent.normalized())) < 1e-8);
 }
+
+}  // namespace flexarm::tests::beam_slide_test

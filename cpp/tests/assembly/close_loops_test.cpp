@@ -5,7 +5,8 @@
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/statics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::close_loops_test {
+
 using flexarm::InvalidParameter;
 using flexarm::joints::ClosureType;
 
@@ -166,3 +167,5 @@ TEST_CASE("A closure to the base carries its share of the weight") {
   CHECK(base[2] == near(-9.5 * standard_gravity, 1e-12));
   CHECK(base[4] == near((8 * 1 + 1.5 * 2) * standard_gravity, 1e-10));
 }
+
+}  // namespace flexarm::tests::close_loops_test

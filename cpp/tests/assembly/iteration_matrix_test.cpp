@@ -4,7 +4,8 @@
 
 #include "arms.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::iteration_matrix_test {
+
 using flexarm::assembly::IterationMatrix;
 using flexarm::assembly::TangentFactors;
 
@@ -86,3 +87,5 @@ TEST_CASE("Numbers that are not finite give no matrix and leave the pattern as i
   REQUIRE(after != nullptr);
   CHECK(after->nonZeros() == fresh.assemble(state, Loads{}, c, VectorXd())->nonZeros());
 }
+
+}  // namespace flexarm::tests::iteration_matrix_test

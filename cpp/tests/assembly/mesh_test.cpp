@@ -5,8 +5,9 @@
 #include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
+namespace flexarm::tests::mesh_test {
+
 using namespace flexarm::assembly;
-using namespace flexarm::tests;
 
 TEST_CASE("Section axes are right-handed, x along the beam, z towards `up`") {
   Random random(1);
@@ -84,3 +85,5 @@ TEST_CASE("A place on a rigid link sits on its only node") {
   CHECK(at.element == -1);
   CHECK(error(at.offset.x, Vector3d(1, 2, 3)) == 0);
 }
+
+}  // namespace flexarm::tests::mesh_test

@@ -6,7 +6,8 @@
 #include "flexarm/simulation/sampled_run.hpp"
 #include "parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::pedestal_test {
+
 using namespace flexarm::simulation;
 
 namespace {
@@ -149,3 +150,5 @@ TEST_CASE("A base on two hinges is shaken about each by its part of the moment")
   CHECK(system.pedestal().moment(0, 0.1) == near(arm.pedestal->moment(0.1) / std::sqrt(2)));
   CHECK(system.pedestal().moment(1, 0.1) == near(arm.pedestal->moment(0.1) / std::sqrt(2)));
 }
+
+}  // namespace flexarm::tests::pedestal_test

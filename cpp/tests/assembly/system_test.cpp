@@ -5,7 +5,8 @@
 #include "flexarm/errors.hpp"
 #include "parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::system_test {
+
 using flexarm::InvalidParameter;
 using flexarm::assembly::PointLoad;
 using flexarm::assembly::TangentFactors;
@@ -299,3 +300,5 @@ TEST_CASE("A joint that neither turns nor slides takes no drive") {
                          flexarm::InvalidParameter);
   }
 }
+
+}  // namespace flexarm::tests::system_test

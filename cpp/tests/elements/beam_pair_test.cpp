@@ -6,8 +6,9 @@
 #include "beams.hpp"
 #include "flexarm/elements/beam_pair.hpp"
 
+namespace flexarm::tests::beam_pair_test {
+
 using namespace flexarm::elements;
-using namespace flexarm::tests;
 using namespace flexarm::geometry;
 
 namespace {
@@ -72,3 +73,5 @@ TEST_CASE("beams with growing bows stay alone") {
   CHECK(!BeamPairIn<3>::suits(growing, straight_beam(0.9, plump, 0, 1, 2)));
   CHECK(BeamPairIn<3>::suits(straight_beam(0.7, plump, 0, 0, 1), straight_beam(0.9, plump, 0, 1, 2)));
 }
+
+}  // namespace flexarm::tests::beam_pair_test

@@ -5,7 +5,8 @@
 #include "beams.hpp"
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::beam_test {
+
 using namespace flexarm::geometry;
 using flexarm::elements::BeamElement;
 using flexarm::elements::BeamProperties;
@@ -345,3 +346,5 @@ TEST_CASE("The velocity of a section is the rate of its interpolated placement")
           1e-9);
   }
 }
+
+}  // namespace flexarm::tests::beam_test

@@ -5,7 +5,8 @@
 #include "flexarm/elements/beam.hpp"
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::bow_test {
+
 using namespace flexarm::geometry;
 using flexarm::elements::BeamElement;
 
@@ -74,3 +75,5 @@ TEST_CASE("What nodes and the growing bow give is stored or dissipated") {
   CHECK(out.f1.dot(v1) + out.f2.dot(v2) + out.bow_power ==
         near(derivative(energy_after, 0, 1e-4) + out.dissipation, 1e-8));
 }
+
+}  // namespace flexarm::tests::bow_test

@@ -6,7 +6,8 @@
 
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::clamped_mode_test {
+
 using flexarm::elements::BeamElement;
 using flexarm::elements::BeamProperties;
 using flexarm::geometry::Frame;
@@ -57,3 +58,5 @@ TEST_CASE("The lowest mode counts, in whichever plane it bends") {
   flat.EIz = EI / 4;
   CHECK(frequency(4, flat) == near(0.5 * frequency(4, slender), 1e-9));
 }
+
+}  // namespace flexarm::tests::clamped_mode_test

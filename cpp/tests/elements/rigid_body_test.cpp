@@ -4,7 +4,8 @@
 
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::rigid_body_test {
+
 using flexarm::elements::RigidBody;
 using namespace flexarm::geometry;
 
@@ -70,3 +71,5 @@ TEST_CASE("Two bodies at one node add up") {
   both.add(3, c2, J2);
   CHECK(error(both.mass(), one.mass() + two.mass()) < 1e-15);
 }
+
+}  // namespace flexarm::tests::rigid_body_test

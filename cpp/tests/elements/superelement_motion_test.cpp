@@ -2,7 +2,8 @@
 
 #include "parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::superelement_motion_test {
+
 using flexarm::elements::SuperElement;
 using flexarm::model::SuperElementLink;
 
@@ -81,3 +82,5 @@ TEST_CASE("Modes that couple to the interfaces in K act on them") {
   link.stiffness(0, 13) = link.stiffness(13, 0) = -0.3 * stiff;  // a rigid motion is not resisted
   CHECK(compare(link, 7).first < 1e-13);
 }
+
+}  // namespace flexarm::tests::superelement_motion_test

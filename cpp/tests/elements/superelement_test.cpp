@@ -5,7 +5,8 @@
 #include "flexarm/errors.hpp"
 #include "parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::superelement_test {
+
 using namespace flexarm::geometry;
 using flexarm::elements::BeamElement;
 using flexarm::elements::BeamProperties;
@@ -221,3 +222,5 @@ TEST_CASE("Matrices that do not fit a super-element are refused by name") {
   CHECK_THROWS_WITH_AS(SuperElement(link, 0, 0), doctest::Contains("mass must be positive"),
                        flexarm::InvalidParameter);
 }
+
+}  // namespace flexarm::tests::superelement_test

@@ -4,7 +4,8 @@
 
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::weight_test {
+
 using flexarm::elements::Weight;
 using namespace flexarm::geometry;
 
@@ -22,3 +23,5 @@ TEST_CASE("Weight is the negative gradient of its potential, and its stiffness t
     CHECK(relative_error(-weight.stiffness(H.R, g), differences(force, 6)) < 1e-10);
   }
 }
+
+}  // namespace flexarm::tests::weight_test

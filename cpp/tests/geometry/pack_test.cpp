@@ -4,6 +4,8 @@
 
 #include "flexarm/geometry/se3.hpp"
 
+namespace flexarm::tests::pack_test {
+
 using namespace flexarm::geometry;
 
 namespace {
@@ -89,3 +91,5 @@ TEST_CASE("numbers are chosen and compared lane by lane") {
   CHECK(a.all_below(3.5));
   CHECK_FALSE(a.all_below(3.0));
 }
+
+}  // namespace flexarm::tests::pack_test

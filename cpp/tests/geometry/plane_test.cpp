@@ -7,8 +7,9 @@
 
 #include "numerics.hpp"
 
+namespace flexarm::tests::plane_test {
+
 using namespace flexarm::geometry;
-using namespace flexarm::tests;
 
 namespace {
 
@@ -87,3 +88,5 @@ TEST_CASE("Tangent operators and geometric stiffness of SE(2) are those of SE(3)
     CHECK(error(strain_rate_gradient<2>(c.h, c.u, c.f), within(strain_rate_gradient(d, u1, u2))) < 1e-12);
   }
 }
+
+}  // namespace flexarm::tests::plane_test

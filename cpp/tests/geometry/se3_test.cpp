@@ -7,8 +7,9 @@
 
 #include "numerics.hpp"
 
+namespace flexarm::tests::se3_test {
+
 using namespace flexarm::geometry;
-using namespace flexarm::tests;
 using std::numbers::pi;
 
 namespace {
@@ -207,3 +208,5 @@ TEST_CASE("The strain rate's gradient is its derivative by the strain at fixed t
     CHECK(relative_error(strain_rate_gradient(d, u1, u2), differences(rate, 6)) < 1e-9);
   }
 }
+
+}  // namespace flexarm::tests::se3_test

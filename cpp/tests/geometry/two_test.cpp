@@ -4,6 +4,8 @@
 
 #include "flexarm/geometry/se3.hpp"
 
+namespace flexarm::tests::two_test {
+
 using namespace flexarm::geometry;
 
 namespace {
@@ -46,3 +48,5 @@ void check_all_pairs() {
 TEST_CASE("frames of the plane side by side are those of each") { check_all_pairs<2>(); }
 
 TEST_CASE("frames of space side by side are those of each") { check_all_pairs<3>(); }
+
+}  // namespace flexarm::tests::two_test

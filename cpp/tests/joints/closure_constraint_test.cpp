@@ -5,7 +5,8 @@
 #include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::closure_constraint_test {
+
 using namespace flexarm::geometry;
 using flexarm::joints::ClosureConstraint;
 using flexarm::joints::ClosureType;
@@ -231,3 +232,5 @@ TEST_CASE("The turn of a revolute closure is the angle of B about the axis in A"
     CHECK(c.closure.turn(c.H_a, c.H_a * c.X_a * exp6(about) * c.X_b.inverse()) == near(angle, 1e-12));
   }
 }
+
+}  // namespace flexarm::tests::closure_constraint_test

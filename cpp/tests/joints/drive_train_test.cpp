@@ -6,7 +6,8 @@
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/statics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::drive_train_test {
+
 using namespace flexarm::joints;
 using flexarm::simulation::static_equilibrium;
 
@@ -80,3 +81,5 @@ TEST_CASE("Where the link's angle is driven, the drive train does not matter") {
   };
   CHECK(error(tip(through), tip(rigid)) < 1e-12);
 }
+
+}  // namespace flexarm::tests::drive_train_test

@@ -4,7 +4,8 @@
 
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::joint_constraint_test {
+
 using namespace flexarm::geometry;
 using flexarm::joints::JointConstraint;
 using flexarm::joints::JointType;
@@ -147,3 +148,5 @@ TEST_CASE("The geometric stiffness is the derivative of the joint's forces") {
     }
   }
 }
+
+}  // namespace flexarm::tests::joint_constraint_test

@@ -7,6 +7,8 @@
 #include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
+namespace flexarm::tests::joint_law_test {
+
 // Designated initialisers name what matters to a test and leave the rest at its default on purpose.
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
 
@@ -231,3 +233,5 @@ TEST_CASE("Only friction stays out of statics") {
     CHECK(acts_at_rest(law) != friction);
   }
 }
+
+}  // namespace flexarm::tests::joint_law_test

@@ -8,7 +8,8 @@
 #include "flexarm/simulation/sampled_run.hpp"
 #include "flexarm/simulation/statics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::transmission_test {
+
 using namespace flexarm::simulation;
 using flexarm::InvalidParameter;
 using flexarm::joints::Transmission;
@@ -137,3 +138,5 @@ TEST_CASE("A train that would turn back is refused with the name of its joint") 
   CHECK_THROWS_WITH_AS(System(arm, {}), doctest::Contains("scale of a gear ratio must not be zero"),
                        InvalidParameter);
 }
+
+}  // namespace flexarm::tests::transmission_test

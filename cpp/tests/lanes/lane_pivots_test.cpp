@@ -7,6 +7,8 @@
 #include "flexarm/geometry/pack.hpp"
 #include "numerics.hpp"
 
+namespace flexarm::tests::lane_pivots_test {
+
 using namespace flexarm;
 
 namespace {
@@ -64,3 +66,5 @@ TEST_CASE(
   check_lanes(false);
   check_lanes(true);
 }
+
+}  // namespace flexarm::tests::lane_pivots_test

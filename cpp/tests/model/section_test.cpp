@@ -9,6 +9,8 @@
 #include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
+namespace flexarm::tests::section_test {
+
 using namespace flexarm::model;
 using flexarm::tests::near;
 using std::numbers::pi;
@@ -69,3 +71,5 @@ TEST_CASE("Impossible sections are refused by name") {
   CHECK_THROWS_AS((Material{210e9, 80e9, -1}.check()), flexarm::InvalidParameter);
   CHECK_NOTHROW((Material{210e9, 80e9, 0}.check()));  // a massless beam is a spring
 }
+
+}  // namespace flexarm::tests::section_test

@@ -7,7 +7,8 @@
 #include "flexarm/errors.hpp"
 #include "reduction/parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::craig_bampton_test {
+
 using Eigen::Vector3d;
 using flexarm::InvalidParameter;
 using flexarm::reduction::ReducedPart;
@@ -305,3 +306,5 @@ TEST_CASE("A part without mass has its statics, no modes, and nothing left out")
   CHECK(reduced.quality.left_out_frequency_hz == INFINITY);
   CHECK(reduced.quality.free_frequency_hz.size() == 0);
 }
+
+}  // namespace flexarm::tests::craig_bampton_test

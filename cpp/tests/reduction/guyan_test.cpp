@@ -7,7 +7,8 @@
 
 #include "reduction/parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::guyan_test {
+
 using flexarm::reduction::ReducedPart;
 
 namespace {
@@ -111,3 +112,5 @@ TEST_CASE("Where the material is stiff around the interface, average and rigid a
   CHECK(relative_error(averaged, tied) < 1e-4);
   CHECK(relative_error(averaged, tied) > 0);
 }
+
+}  // namespace flexarm::tests::guyan_test

@@ -7,7 +7,8 @@
 #include "flexarm/errors.hpp"
 #include "reduction/parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::interface_test {
+
 using Eigen::Vector3d;
 using flexarm::InvalidParameter;
 using namespace flexarm::reduction;
@@ -124,3 +125,5 @@ TEST_CASE("A point follows one rigid interface only, but may be averaged as well
   b.kind = InterfaceKind::average;
   CHECK(refusal({a, b}, points) == "taken");
 }
+
+}  // namespace flexarm::tests::interface_test

@@ -4,7 +4,8 @@
 
 #include "reduction/parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::quality_test {
+
 using flexarm::reduction::Quality;
 
 namespace {
@@ -105,3 +106,5 @@ TEST_CASE("More modes leave less mass out") {
     before = share.sum();
   }
 }
+
+}  // namespace flexarm::tests::quality_test

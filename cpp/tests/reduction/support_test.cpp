@@ -7,7 +7,8 @@
 #include "flexarm/errors.hpp"
 #include "reduction/parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::support_test {
+
 using flexarm::InvalidParameter;
 using flexarm::reduction::support;
 using flexarm::reduction::Support;
@@ -121,3 +122,5 @@ TEST_CASE("Matrices of another size, or with entries that are no numbers, are re
     CHECK(refusal(part, interfaces) == "stiffness matrix: 54 points need a size of 162, got 30 x 30");
   }
 }
+
+}  // namespace flexarm::tests::support_test

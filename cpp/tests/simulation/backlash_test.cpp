@@ -7,7 +7,8 @@
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/statics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::backlash_test {
+
 using namespace flexarm::simulation;
 using flexarm::model::RigidLink;
 
@@ -90,3 +91,5 @@ TEST_CASE("Two joints with backlash in series each find their flank") {
     CHECK(d == near(std::copysign(gap / 2 * (1 - loose_part), torque) + torque / 4000, 1e-8));
   }
 }
+
+}  // namespace flexarm::tests::backlash_test

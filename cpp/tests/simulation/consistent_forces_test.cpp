@@ -6,7 +6,8 @@
 #include "flexarm/simulation/statics.hpp"
 #include "flexarm/solvers/increment.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::consistent_forces_test {
+
 using namespace flexarm::simulation;
 using Eigen::VectorXd;
 
@@ -75,3 +76,5 @@ TEST_CASE("Consistent forces balance the state and satisfy the constraints' seco
     CHECK(&forces.of(system.rigid_state({0, 0, 0})) != &found);  // at rest nothing changes
   }
 }
+
+}  // namespace flexarm::tests::consistent_forces_test

@@ -7,6 +7,8 @@
 #include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
+namespace flexarm::tests::cubic_spline_test {
+
 using flexarm::InvalidParameter;
 using flexarm::simulation::cubic_spline;
 using flexarm::tests::near;
@@ -78,3 +80,5 @@ TEST_CASE("Samples that are too few or do not belong together are refused") {
   CHECK_THROWS_AS(cubic_spline(VectorXd::Zero(1), VectorXd::Zero(1)), InvalidParameter);
   CHECK_THROWS_AS(cubic_spline(VectorXd::Zero(4), VectorXd::Zero(3)), InvalidParameter);
 }
+
+}  // namespace flexarm::tests::cubic_spline_test

@@ -5,7 +5,8 @@
 #include "arms.hpp"
 #include "flexarm/errors.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::differentiated_sampled_run_test {
+
 using namespace flexarm::simulation;
 namespace model = flexarm::model;
 
@@ -91,3 +92,5 @@ TEST_CASE("Derivatives of torques of another number of joints or parameters are 
                        doctest::Contains("for 1 joints and 1 parameters are needed, got 1 by 2"),
                        flexarm::InvalidParameter);
 }
+
+}  // namespace flexarm::tests::differentiated_sampled_run_test

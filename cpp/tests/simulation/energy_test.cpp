@@ -4,7 +4,8 @@
 
 #include "parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::energy_test {
+
 using namespace flexarm::simulation;
 
 namespace {
@@ -81,3 +82,5 @@ TEST_CASE("With super-elements, too, power equals the rate of change of all ener
   for (auto& joint : arm.joints) joint.drive_train.rotor_inertia = 0.1;
   check_power_balance(System(arm, {{"turn", DriveKind::torque}, {"wrist", DriveKind::torque}}));
 }
+
+}  // namespace flexarm::tests::energy_test

@@ -6,7 +6,8 @@
 
 #include "arms.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::modal_test {
+
 using flexarm::simulation::Modes;
 using flexarm::simulation::modes;
 using flexarm::simulation::static_equilibrium;
@@ -127,3 +128,5 @@ TEST_CASE("The tip moves across the arm in its first mode") {
     CHECK(shape.segment<2>(1).norm() > 0);
   }
 }
+
+}  // namespace flexarm::tests::modal_test

@@ -5,6 +5,8 @@
 #include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
+namespace flexarm::tests::motion_samples_test {
+
 using flexarm::simulation::sample_motion;
 using flexarm::simulation::SampledValues;
 using flexarm::tests::error;
@@ -70,3 +72,5 @@ TEST_CASE("Values that are not one at each time are refused") {
   CHECK_THROWS_AS(sample_motion(times, instants, none, instants, 0.0), flexarm::InvalidParameter);
   CHECK_THROWS_AS(sample_motion(times, times, instants, instants, 0.0), flexarm::InvalidParameter);
 }
+
+}  // namespace flexarm::tests::motion_samples_test

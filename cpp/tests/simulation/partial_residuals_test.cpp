@@ -3,7 +3,8 @@
 #include "arms.hpp"
 #include "parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::partial_residuals_test {
+
 using namespace flexarm::simulation;
 namespace joints = flexarm::joints;
 namespace model = flexarm::model;
@@ -180,3 +181,5 @@ TEST_CASE("Drives that depend on a parameter reach laws, joints and gears throug
   const VectorXd expected = (at(-step) - at(step)) / (2 * step);
   CHECK(relative_error(rhs.col(0), expected) < 1e-7);
 }
+
+}  // namespace flexarm::tests::partial_residuals_test

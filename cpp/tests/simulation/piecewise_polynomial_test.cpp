@@ -5,6 +5,8 @@
 #include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
+namespace flexarm::tests::piecewise_polynomial_test {
+
 using flexarm::InvalidParameter;
 using flexarm::simulation::PiecewisePolynomial;
 using flexarm::tests::near;
@@ -61,3 +63,5 @@ TEST_CASE("Shapes that do not fit and breaks that do not rise are refused") {
   CHECK_THROWS_AS(PiecewisePolynomial({0, 1, 1}, two), InvalidParameter);
   CHECK_THROWS_AS(PiecewisePolynomial({0, 1}, Eigen::MatrixXd(0, 1)), InvalidParameter);
 }
+
+}  // namespace flexarm::tests::piecewise_polynomial_test

@@ -6,8 +6,9 @@
 #include "flexarm/simulation/transient.hpp"
 #include "parts.hpp"
 
+namespace flexarm::tests::planar_test {
+
 using namespace flexarm;
-using namespace flexarm::tests;
 using namespace flexarm::simulation;
 using assembly::PlanarSystem;
 
@@ -336,3 +337,5 @@ TEST_CASE("A plane asked for where there is none is refused, and left alone the 
   CHECK_THROWS_WITH_AS(simulate(system, rest, {{}, {}}, options),
                        doctest::Contains("does not move in a plane"), InvalidParameter);
 }
+
+}  // namespace flexarm::tests::planar_test

@@ -4,7 +4,8 @@
 
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::prescribed_angle_test {
+
 using namespace flexarm::simulation;
 
 namespace {
@@ -51,3 +52,5 @@ TEST_CASE("The quintic has value, rate and acceleration of both ends, and these 
   CHECK((after.s - before.s) / (2 * e * h) == near(now.v, 1e-7));
   CHECK((after.v - before.v) / (2 * e * h) == near(now.v_dot, 1e-7));
 }
+
+}  // namespace flexarm::tests::prescribed_angle_test

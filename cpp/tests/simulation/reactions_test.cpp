@@ -6,7 +6,8 @@
 #include "flexarm/simulation/statics.hpp"
 #include "flexarm/solvers/hht.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::reactions_test {
+
 using namespace flexarm::simulation;
 using flexarm::solvers::DriveValues;
 using flexarm::solvers::HhtCoefficients;
@@ -104,3 +105,5 @@ TEST_CASE("A swinging rigid pendulum pulls at its hinge with m (g cos θ + c θ'
   // and its own equation of motion: (J + m c²) θ'' = −m g c sin θ
   CHECK(state.v_dot[6] == near(-m * standard_gravity * c * std::sin(0.5) / (0.1 + m * c * c), 1e-9));
 }
+
+}  // namespace flexarm::tests::reactions_test

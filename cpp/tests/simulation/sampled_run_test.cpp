@@ -6,7 +6,8 @@
 #include "flexarm/errors.hpp"
 #include "flexarm/simulation/transient.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::sampled_run_test {
+
 using namespace flexarm::simulation;
 
 namespace {
@@ -99,3 +100,5 @@ TEST_CASE("A wrong number of torques and an impossible step are refused") {
                        doctest::Contains("one motor torque for each of the 1 joints"),
                        flexarm::InvalidParameter);
 }
+
+}  // namespace flexarm::tests::sampled_run_test

@@ -4,7 +4,8 @@
 
 #include "arms.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::snapshots_test {
+
 using namespace flexarm::simulation;
 
 namespace {
@@ -60,3 +61,5 @@ TEST_CASE("A snapshot of a run's last state is the run's last column") {
   CHECK(error(found.run.motor_torque.col(1), run.motor_torque.col(last)) < 1e-9);
   CHECK(found.run.orientation.col(0).head<4>().norm() == near(1));
 }
+
+}  // namespace flexarm::tests::snapshots_test

@@ -7,6 +7,8 @@
 #include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
+namespace flexarm::tests::spline_fit_test {
+
 using flexarm::simulation::spline_equations;
 using flexarm::simulation::spline_values;
 using flexarm::tests::Random;
@@ -67,3 +69,5 @@ TEST_CASE("Breaks that do not run from the first sample to the last are refused"
   CHECK_THROWS_AS(spline_equations(time, time.head(20), breaks), flexarm::InvalidParameter);
   CHECK_THROWS_AS(spline_values(time, breaks, time), flexarm::InvalidParameter);
 }
+
+}  // namespace flexarm::tests::spline_fit_test

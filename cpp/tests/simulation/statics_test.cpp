@@ -8,7 +8,8 @@
 #include "flexarm/errors.hpp"
 #include "flexarm/simulation/reactions.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::statics_test {
+
 using flexarm::NotConverged;
 using flexarm::simulation::Equilibrium;
 using flexarm::simulation::is_stable;
@@ -239,3 +240,5 @@ TEST_CASE("The equilibrium does not depend on how the load was applied") {
   CHECK(largest(r.head(system.n_free())) < 1e-6);
   CHECK(largest(phi) < 1e-13);
 }
+
+}  // namespace flexarm::tests::statics_test

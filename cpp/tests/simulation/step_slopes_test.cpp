@@ -5,8 +5,9 @@
 #include "flexarm/simulation/beam_slopes.hpp"
 #include "flexarm/simulation/statics.hpp"
 
+namespace flexarm::tests::step_slopes_test {
+
 using namespace flexarm;
-using namespace flexarm::tests;
 using namespace flexarm::simulation;
 using assembly::PlanarSystem;
 using geometry::freedoms;
@@ -135,3 +136,5 @@ TEST_CASE("What a beam's parameters do to its forces by vectors is what matrices
     CHECK(difference(forces, expected) < 1e-14);
   }
 }
+
+}  // namespace flexarm::tests::step_slopes_test

@@ -8,7 +8,8 @@
 #include "flexarm/errors.hpp"
 #include "flexarm/simulation/sampled_run.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::stepping_test {
+
 using namespace flexarm::simulation;
 
 namespace {
@@ -103,3 +104,5 @@ TEST_CASE("What no step can be made of is refused and leaves the moment as it wa
   CHECK_THROWS_AS(stepping.advance(start, {{0}, {1e9}}, {}), flexarm::NotConverged);
   CHECK(same_bits(go(stepping, start, 3).state, go(stepping, start, 3).state));
 }
+
+}  // namespace flexarm::tests::stepping_test

@@ -8,7 +8,8 @@
 #include "flexarm/solvers/hht.hpp"
 #include "parts.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::superelement_arm_test {
+
 using namespace flexarm::simulation;
 using flexarm::geometry::log3;
 using flexarm::geometry::relative;
@@ -201,3 +202,5 @@ TEST_CASE("A place on a part must be one of its interfaces") {
   CHECK_THROWS_WITH_AS(System(arm, driven), doctest::Contains("'tube:i3' must name an interface"),
                        flexarm::InvalidParameter);
 }
+
+}  // namespace flexarm::tests::superelement_arm_test

@@ -8,7 +8,8 @@
 #include "flexarm/errors.hpp"
 #include "flexarm/simulation/modal.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::transient_test {
+
 using namespace flexarm::simulation;
 using flexarm::InvalidParameter;
 using flexarm::solvers::DriveValues;
@@ -248,3 +249,5 @@ TEST_CASE("Impossible options are refused with their values") {
   CHECK_THROWS_WITH_AS(simulate(system, rest, {{}}, {.alpha = 0.2}), doctest::Contains("[-1/3, 0]"),
                        InvalidParameter);
 }
+
+}  // namespace flexarm::tests::transient_test

@@ -8,7 +8,7 @@
 #include "blocks.hpp"
 #include "flexarm/errors.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::assemble_test {
 
 namespace {
 
@@ -73,7 +73,7 @@ TEST_CASE("A cell alone is as stiff as its rank: 6 rigid motions, all others str
     CellBlock cell = nodes.blocks()[0];
     cell.nodes.conservativeResize(1, Eigen::NoChange);
     cell.material.conservativeResize(1);
-    const SparseMatrix K = assemble(SolidMesh(nodes.points(), {cell}, {steel}), false, 1).K;
+    const SparseMatrix K = assemble(SolidMesh(nodes.points(), {cell}, {block_steel}), false, 1).K;
     const VectorXd w = eigenvalues(K);
     CAPTURE(name(type));
     const int n_unused = static_cast<int>(nodes.n_dof()) - 3 * nodes_per_cell(type);
@@ -110,7 +110,7 @@ TEST_CASE("Numbers of points and the order of cells do not matter") {
     CellBlock block = mesh.blocks()[0];
     for (int& node : block.nodes.reshaped()) node = order.indices()[node];
     block.nodes = block.nodes.colwise().reverse().eval();
-    const SolidMesh other(order * mesh.points(), {block}, {steel});
+    const SolidMesh other(order * mesh.points(), {block}, {block_steel});
     const auto [K, M] = assemble(mesh, false, 1);
     const auto [K_other, M_other] = assemble(other, false, 1);
     Eigen::PermutationMatrix<Eigen::Dynamic> freedoms(mesh.n_dof());
@@ -128,7 +128,7 @@ TEST_CASE("A cell numbered from another corner is the same cell") {
   CellBlock block = mesh.blocks()[0];
   block.nodes << Eigen::RowVectorXi(block.nodes)({5, 6, 2, 1, 4, 7, 3, 0});
   const auto [K, M] = assemble(mesh, false, 1);
-  const auto [K_other, M_other] = assemble(SolidMesh(mesh.points(), {block}, {steel}), false, 1);
+  const auto [K_other, M_other] = assemble(SolidMesh(mesh.points(), {block}, {block_steel}), false, 1);
   CHECK(relative_error(dense(K_other), dense(K)) < 1e-13);
   CHECK(relative_error(dense(M_other), dense(M)) < 1e-13);
 }
@@ -149,7 +149,7 @@ TEST_CASE("Any number of threads gives the same bits") {
 
 TEST_CASE("Mass and inertia of a brick are exact, consistent and lumped") {
   const Vector3d size(0.3, 0.2, 0.1);
-  const double m = steel.density * size.prod();
+  const double m = block_steel.density * size.prod();
   for (const CellType type : all_types) {
     const SolidMesh mesh = mapped_box(type, {3, 2, 2}, scaled_to(size));
     const MatrixXd R = rigid_motions(mesh);
@@ -185,10 +185,10 @@ TEST_CASE("A collapsed hexahedron is a wedge: it passes the patch test and keeps
     }
   }
   points(9, 2) = 1.3;
-  const SolidMesh mesh(points, {CellBlock{CellType::hex8, nodes, Eigen::VectorXi::Zero(8)}}, {steel});
+  const SolidMesh mesh(points, {CellBlock{CellType::hex8, nodes, Eigen::VectorXi::Zero(8)}}, {block_steel});
   const auto [K, M] = assemble(mesh, false, 2);
   const VectorXd ones = VectorXd::Ones(mesh.n_dof());
-  CHECK(ones.dot(times(M, ones)) / 3 == near(steel.density * 2.5 * 2));
+  CHECK(ones.dot(times(M, ones)) / 3 == near(block_steel.density * 2.5 * 2));
   std::vector<bool> held(45, true);
   for (std::size_t dof : {27, 28, 29}) held[dof] = false;
   const VectorXd expected = at_points(mesh, patch_field);
@@ -205,10 +205,11 @@ TEST_CASE("Blocks and materials add up; points of no cell get empty columns") {
   second.material = Eigen::VectorXi::Ones(1);
   Points points(one.n_points() + 1, 3);
   points << one.points(), Eigen::RowVector3d(9, 9, 9);
-  const SolidMaterial heavy{2 * steel.youngs_modulus, steel.poisson_ratio, 3 * steel.density};
-  const auto [K, M] = assemble(SolidMesh(points, {first, second}, {steel, heavy}), false, 1);
-  const auto [K1, M1] = assemble(SolidMesh(points, {first}, {steel}), false, 1);
-  const auto [K2, M2] = assemble(SolidMesh(points, {second}, {steel, steel}), false, 1);
+  const SolidMaterial heavy{2 * block_steel.youngs_modulus, block_steel.poisson_ratio,
+                            3 * block_steel.density};
+  const auto [K, M] = assemble(SolidMesh(points, {first, second}, {block_steel, heavy}), false, 1);
+  const auto [K1, M1] = assemble(SolidMesh(points, {first}, {block_steel}), false, 1);
+  const auto [K2, M2] = assemble(SolidMesh(points, {second}, {block_steel, block_steel}), false, 1);
   CHECK(relative_error(dense(K), dense(K1) + 2 * dense(K2)) < 1e-14);
   CHECK(relative_error(dense(M), dense(M1) + 3 * dense(M2)) < 1e-14);
   for (int axis = 0; axis < 3; ++axis) CHECK(K.outerIndexPtr()[K.cols() - axis] == K.nonZeros());
@@ -218,7 +219,7 @@ TEST_CASE("A mesh that cannot be is refused by block, cell and value") {
   using flexarm::InvalidParameter;
   const SolidMesh good = mapped_box(CellType::hex8, {2, 1, 1}, scaled_to({2, 1, 1}));
   const CellBlock block = good.blocks()[0];
-  const auto build = [&](const CellBlock& b, const SolidMaterial& m = steel) {
+  const auto build = [&](const CellBlock& b, const SolidMaterial& m = block_steel) {
     return SolidMesh(good.points(), {b}, {m});
   };
 
@@ -244,7 +245,7 @@ TEST_CASE("A mesh that cannot be is refused by block, cell and value") {
                        "material 0: Poisson's ratio must lie between -1 and 0.5, got 0.5", InvalidParameter);
   CHECK_THROWS_WITH_AS(build(block, {1, 0.3, -2}), "material 0: density must not be negative, got -2 kg/m3",
                        InvalidParameter);
-  CHECK_THROWS_AS(SolidMesh(good.points(), {}, {steel}), InvalidParameter);
+  CHECK_THROWS_AS(SolidMesh(good.points(), {}, {block_steel}), InvalidParameter);
   CHECK_THROWS_AS(assemble(good, false, -1), InvalidParameter);
 }
 
@@ -257,7 +258,7 @@ TEST_CASE("An inverted or flat cell is refused by its number") {
     points.col(0).tail(good.n_points()) *= -1;
     CellBlock block = good.blocks()[0];
     block.nodes.row(3).array() += static_cast<int>(good.n_points());
-    const SolidMesh inverted(points, {block}, {steel});
+    const SolidMesh inverted(points, {block}, {block_steel});
     Points flat = good.points();
     flat.col(2).setZero();
     CAPTURE(name(type));
@@ -280,6 +281,9 @@ TEST_CASE("The scaled Jacobian is 1 for bricks and regular tetrahedra of any siz
   points << 1, 1, 1, -1, 1, -1, 1, -1, -1, -1, -1, 1;
   CellNodes nodes(1, 4);
   nodes << 0, 1, 2, 3;
-  const SolidMesh regular(5 * points, {CellBlock{CellType::tet4, nodes, Eigen::VectorXi::Zero(1)}}, {steel});
+  const SolidMesh regular(5 * points, {CellBlock{CellType::tet4, nodes, Eigen::VectorXi::Zero(1)}},
+                          {block_steel});
   CHECK(smallest_jacobians(regular)[0][0] == near(1));
 }
+
+}  // namespace flexarm::tests::assemble_test

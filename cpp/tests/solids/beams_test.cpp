@@ -4,7 +4,7 @@
 /// reproduce them.
 #include "blocks.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::beams_test {
 
 namespace {
 
@@ -106,3 +106,5 @@ TEST_CASE("hex20 bends with every shape, tet10 with right angles, tet4 with none
     CHECK(ratio(CellType::tet4) < 0.05);
   }
 }
+
+}  // namespace flexarm::tests::beams_test

@@ -15,7 +15,7 @@ using namespace flexarm::solids;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-inline const SolidMaterial steel{210e9, 0.3, 7850};
+inline const SolidMaterial block_steel{210e9, 0.3, 7850};
 inline const std::vector<CellType> all_types{CellType::tet4, CellType::tet10, CellType::hex8,
                                              CellType::hex20};
 
@@ -26,7 +26,7 @@ inline bool is_quadratic(CellType type) { return type == CellType::tet10 || type
 
 /// The unit cube in n[0] × n[1] × n[2] boxes, mapped; tetrahedra fill each box by six.
 SolidMesh mapped_box(CellType type, const Eigen::Vector3i& n, const Map& map,
-                     const SolidMaterial& material = steel);
+                     const SolidMaterial& material = block_steel);
 
 Map scaled_to(const Vector3d& size);
 

@@ -3,11 +3,11 @@
 #include "blocks.hpp"
 #include "flexarm/errors.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::mass_properties_test {
 
 TEST_CASE("A box away from the origin has the moments of a box") {
   const Vector3d size(0.3, 0.2, 0.1), corner(5, -3, 2), c = corner + size / 2;
-  const double m = steel.density * size.prod();
+  const double m = block_steel.density * size.prod();
   const Matrix3d box = Vector3d(size[1] * size[1] + size[2] * size[2], size[0] * size[0] + size[2] * size[2],
                                 size[0] * size[0] + size[1] * size[1])
                            .asDiagonal();
@@ -39,7 +39,7 @@ TEST_CASE("They are those of the consistent mass matrix, in curved cells too") {
 }
 
 TEST_CASE("The mass of a quarter ring converges with the shape of its cells: order 2 straight, 4 quadratic") {
-  const double exact = steel.density * M_PI / 4 * (0.2 * 0.2 - 0.1 * 0.1) * 0.1;
+  const double exact = block_steel.density * M_PI / 4 * (0.2 * 0.2 - 0.1 * 0.1) * 0.1;
   const auto error = [&](CellType type, int n) {
     const SolidMesh mesh = mapped_box(type, {n, n, 1}, [](const Vector3d& x) -> Vector3d {
       const double r = 0.1 + 0.1 * x[0], angle = M_PI / 2 * x[1];
@@ -59,3 +59,5 @@ TEST_CASE("An inverted cell has no mass properties") {
   CHECK_THROWS_WITH_AS(mass_properties(mesh), doctest::Contains("block 0 (tet4), cell 0 is inverted or flat"),
                        flexarm::InvalidParameter);
 }
+
+}  // namespace flexarm::tests::mass_properties_test

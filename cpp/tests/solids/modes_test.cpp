@@ -5,7 +5,7 @@
 
 #include "blocks.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::modes_test {
 
 namespace {
 
@@ -35,8 +35,8 @@ double box_error(CellType type, int n, bool lump) {
   const SolidMesh mesh = mapped_box(type, {n, n, n}, scaled_to(size));
   const auto held =
       freedoms(mesh, [&](const Vector3d& x, int axis) { return at(x[axis], 0) || at(x[axis], size[axis]); });
-  const double G = steel.youngs_modulus / (2 * (1 + steel.poisson_ratio));
-  const double exact = std::sqrt(G / steel.density) * M_PI * std::hypot(1 / size[0], 1 / size[1]);
+  const double G = block_steel.youngs_modulus / (2 * (1 + block_steel.poisson_ratio));
+  const double exact = std::sqrt(G / block_steel.density) * M_PI * std::hypot(1 / size[0], 1 / size[1]);
   return lowest_frequency(mesh, held, lump) / exact - 1;
 }
 
@@ -105,3 +105,5 @@ TEST_CASE("A cantilever block has Timoshenko's first frequency") {
   CHECK(std::abs(error(CellType::hex8, 1, false)) < 2e-3);
   CHECK(error(CellType::tet4, 2, false) > 0.3);  // locks
 }
+
+}  // namespace flexarm::tests::modes_test

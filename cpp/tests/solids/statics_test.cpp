@@ -2,7 +2,7 @@
 #include "blocks.hpp"
 #include "flexarm/solids/stress.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::solids_statics_test {
 
 namespace {
 
@@ -10,7 +10,7 @@ bool at(double value, double where) { return std::abs(value - where) < 1e-9; }
 
 /// A bar of length L and square section h × h along x.
 SolidMesh bar(CellType type, double L, double h, const Eigen::Vector3i& n,
-              const SolidMaterial& material = steel) {
+              const SolidMaterial& material = block_steel) {
   return mapped_box(
       type, n, [=](const Vector3d& x) -> Vector3d { return {L * x[0], h * (x[1] - 0.5), h * (x[2] - 0.5)}; },
       material);
@@ -127,7 +127,7 @@ TEST_CASE("One layer of hex8 bends exactly under a couple") {
   const auto tip = freedoms(mesh, [&](const Vector3d& x, int axis) { return at(x[0], L) && axis == 2; });
   for (Eigen::Index i = 0; i < u.size(); ++i)
     if (tip[static_cast<std::size_t>(i)])
-      CHECK(u[i] == near(M * L * L / (2 * steel.youngs_modulus * I), 1e-10));
+      CHECK(u[i] == near(M * L * L / (2 * block_steel.youngs_modulus * I), 1e-10));
 }
 
 TEST_CASE("Lamé's ring converges: order 2 straight; 4 in energy, 2.5 and more in displacement quadratic") {
@@ -156,3 +156,5 @@ TEST_CASE("A nearly incompressible ring keeps its stiffness, except of tet4") {
   CHECK(ring_errors(CellType::tet4, 8, 0.499).energy > 0.8);  // nearly twice too stiff
   CHECK(ring_errors(CellType::tet4, 8, 0.3).energy < 0.01);
 }
+
+}  // namespace flexarm::tests::solids_statics_test

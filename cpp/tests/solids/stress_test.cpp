@@ -5,7 +5,7 @@
 #include "flexarm/errors.hpp"
 #include "flexarm/geometry/se3.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::stress_test {
 
 namespace {
 
@@ -15,7 +15,7 @@ Points as_points(const VectorXd& u) { return u.reshaped(3, u.size() / 3).transpo
 
 TEST_CASE("A constant strain has Hooke's stress at every point of a distorted mesh") {
   const Matrix3d gradient = (Matrix3d() << 1.0, 0.7, -0.4, 0.2, -0.6, 0.9, 0.5, -0.3, 0.8).finished() * 1e-3;
-  const double E = steel.youngs_modulus, nu = steel.poisson_ratio, G = E / (2 * (1 + nu));
+  const double E = block_steel.youngs_modulus, nu = block_steel.poisson_ratio, G = E / (2 * (1 + nu));
   // Hooke's law as textbooks print it: σ_x = E/((1+ν)(1−2ν)) ((1−ν) ε_x + ν (ε_y + ε_z)), τ = G γ.
   const Vector3d e = gradient.diagonal();
   Eigen::Matrix<double, 1, 6> expected;
@@ -34,7 +34,7 @@ TEST_CASE("A constant strain has Hooke's stress at every point of a distorted me
 
 TEST_CASE("In pure bending the stress is linear over the height, in the cells and at their corners") {
   // The bar bent by couples about y [TimoshenkoGoodier]: σ_x = −E κ z and no other stress.
-  const double kappa = 0.01, nu = steel.poisson_ratio;
+  const double kappa = 0.01, nu = block_steel.poisson_ratio;
   const auto field = [&](const Vector3d& x) -> Vector3d {
     return kappa *
            Vector3d(-x[0] * x[2], nu * x[1] * x[2], (x[0] * x[0] + nu * (x[2] * x[2] - x[1] * x[1])) / 2);
@@ -45,7 +45,7 @@ TEST_CASE("In pure bending the stress is linear over the height, in the cells an
     });
     const Stresses s = stresses(mesh, as_points(at_points(mesh, field)));
     Stresses expected = Stresses::Zero(mesh.n_points(), 6);
-    expected.col(0) = -steel.youngs_modulus * kappa * mesh.points().col(2);
+    expected.col(0) = -block_steel.youngs_modulus * kappa * mesh.points().col(2);
     CAPTURE(name(type));
     CHECK(relative_error(s, expected) < 1e-11);
   }
@@ -88,3 +88,5 @@ TEST_CASE("Points of no cell have no stress") {
   CHECK(s.row(0).norm() > 0);
   CHECK(s.row(8).norm() == 0);
 }
+
+}  // namespace flexarm::tests::stress_test

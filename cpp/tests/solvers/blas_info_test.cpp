@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+namespace flexarm::tests::blas_info_test {
+
 using flexarm::solvers::blas_symbol;
 using flexarm::solvers::OneBlasThread;
 
@@ -18,3 +20,5 @@ TEST_CASE("one thread is left to OpenBLAS for a while, and all return") {
   CHECK(count() == 2);
   set(before);
 }
+
+}  // namespace flexarm::tests::blas_info_test

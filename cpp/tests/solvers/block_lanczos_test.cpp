@@ -10,7 +10,8 @@
 #include "flexarm/solvers/cholesky_factor.hpp"
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::block_lanczos_test {
+
 using flexarm::solvers::block_lanczos;
 using flexarm::solvers::CholeskyFactor;
 using flexarm::solvers::LanczosModes;
@@ -172,3 +173,5 @@ TEST_CASE("Equal input gives equal output") {
   const LanczosModes a = membrane.lowest({.count = 5}), b = membrane.lowest({.count = 5});
   CHECK(error(a.shapes, b.shapes) == 0);
 }
+
+}  // namespace flexarm::tests::block_lanczos_test

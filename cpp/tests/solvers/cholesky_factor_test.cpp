@@ -8,7 +8,8 @@
 #include "flexarm/solvers/fill_ordering.hpp"
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::cholesky_factor_test {
+
 using flexarm::solvers::CholeskyFactor;
 using flexarm::solvers::CholeskyReport;
 using flexarm::solvers::NotPositiveDefinite;
@@ -104,3 +105,5 @@ TEST_CASE("A soft matrix is not a singular one") {
   CholeskyFactor(A).solve(x);
   CHECK(error(x, MatrixXd::Ones(196, 1)) < 4e-7);  // condition 8/(1e-6/196) times rounding
 }
+
+}  // namespace flexarm::tests::cholesky_factor_test

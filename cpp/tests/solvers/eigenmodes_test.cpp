@@ -8,7 +8,8 @@
 #include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::eigenmodes_test {
+
 using flexarm::NotConverged;
 using flexarm::solvers::Eigenmodes;
 using flexarm::solvers::eigenmodes;
@@ -157,3 +158,5 @@ TEST_CASE("An eigenvalue problem whose numbers overflow fails, damped or not") {
     K.coeffRef(1, 1) = 1e4;
   }
 }
+
+}  // namespace flexarm::tests::eigenmodes_test

@@ -6,7 +6,8 @@
 
 #include "arms.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::elimination_test {
+
 using flexarm::solvers::eliminate;
 
 namespace {
@@ -65,3 +66,5 @@ TEST_CASE("A singular matrix is told by numbers that are not finite") {
   eliminate(A, x);
   CHECK_FALSE(x.allFinite());
 }
+
+}  // namespace flexarm::tests::elimination_test

@@ -7,7 +7,8 @@
 #include "arms.hpp"
 #include "flexarm/solvers/hht.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::heavy_top_test {
+
 using flexarm::geometry::exp3;
 using flexarm::solvers::DriveValues;
 using flexarm::solvers::HhtCoefficients;
@@ -102,3 +103,5 @@ TEST_CASE("Heavy top: positions, velocities and multipliers converge at order tw
 TEST_CASE("Heavy top: the body's centre stays on its sphere") {
   CHECK(simulated(4e-4).x.norm() == near(1, 1e-11));
 }
+
+}  // namespace flexarm::tests::heavy_top_test

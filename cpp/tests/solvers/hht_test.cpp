@@ -9,7 +9,8 @@
 #include "flexarm/errors.hpp"
 #include "flexarm/simulation/energy.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::hht_test {
+
 using flexarm::NotConverged;
 using flexarm::solvers::DriveValues;
 using flexarm::solvers::HhtCoefficients;
@@ -293,3 +294,5 @@ TEST_CASE("A matrix that is not finite ends the step with its time and the resid
   }
   CHECK(state.t == start.t);
 }
+
+}  // namespace flexarm::tests::hht_test

@@ -8,7 +8,8 @@
 #include "flexarm/solvers/dissection.hpp"
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::kept_factor_test {
+
 using namespace flexarm::solvers;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
@@ -202,3 +203,5 @@ TEST_CASE("Kept factors forget the matrix before, and give the same solution aga
   used.solve(y);
   CHECK(x == y);
 }
+
+}  // namespace flexarm::tests::kept_factor_test

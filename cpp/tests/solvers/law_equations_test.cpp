@@ -6,7 +6,8 @@
 
 #include "arms.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::law_equations_test {
+
 using flexarm::joints::DahlFriction;
 using flexarm::joints::JointLaw;
 using flexarm::joints::LugreFriction;
@@ -101,3 +102,5 @@ TEST_CASE("Where laws fall, as friction at a growing rate and damped teeth that 
     }
   }
 }
+
+}  // namespace flexarm::tests::law_equations_test

@@ -4,7 +4,7 @@
 
 #include "patterns.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::lower_triangle_test {
 
 TEST_CASE("Products of any number of columns are those of the whole dense matrix") {
   Random random(31);
@@ -18,3 +18,5 @@ TEST_CASE("Products of any number of columns are those of the whole dense matrix
     CHECK(relative_error(product, full(A) * X) < 1e-14);
   }
 }
+
+}  // namespace flexarm::tests::lower_triangle_test

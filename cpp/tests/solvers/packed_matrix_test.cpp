@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+namespace flexarm::tests::packed_matrix_test {
+
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -34,3 +36,5 @@ TEST_CASE("rows are filled up to a multiple of four") {
   CHECK(PackedMatrix(MatrixXd(8, 2)).filled_rows() == 8);
   CHECK(PackedMatrix(MatrixXd(0, 0)).filled_rows() == 0);
 }
+
+}  // namespace flexarm::tests::packed_matrix_test

@@ -5,7 +5,8 @@
 #include "flexarm/solvers/wide_rows.hpp"
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::panel_solve_test {
+
 using namespace flexarm::solvers;
 
 namespace {
@@ -60,3 +61,5 @@ TEST_CASE("Few right sides are held in the narrowest width that takes them") {
   }
   CHECK(width_of(40) == 16);
 }
+
+}  // namespace flexarm::tests::panel_solve_test

@@ -6,7 +6,8 @@
 
 #include "numerics.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::sparse_factor_test {
+
 using flexarm::solvers::SparseFactor;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
@@ -168,3 +169,5 @@ TEST_CASE("A matrix with a number that is not finite has no factors") {
   A.valuePtr()[7] = kept;
   CHECK(factor.factor(A));
 }
+
+}  // namespace flexarm::tests::sparse_factor_test

@@ -11,7 +11,8 @@
 #include "flexarm/interrupt.hpp"
 #include "patterns.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::supernodal_factor_test {
+
 using flexarm::solvers::SupernodalFactor;
 using flexarm::solvers::Supernodes;
 using flexarm::solvers::supernodes;
@@ -123,3 +124,5 @@ TEST_CASE("Factorisation and solution end when they are told to") {
   CHECK_THROWS_AS(factor.solve(X), Stop);
   flexarm::set_interrupt_check(nullptr);
 }
+
+}  // namespace flexarm::tests::supernodal_factor_test

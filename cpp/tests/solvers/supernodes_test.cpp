@@ -7,7 +7,8 @@
 
 #include "patterns.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::supernodes_test {
+
 using flexarm::solvers::Supernodes;
 using flexarm::solvers::supernodes;
 
@@ -141,3 +142,5 @@ TEST_CASE("The unknowns of a point are eliminated one after the other") {
     CHECK(nodes.order[k + 2] == nodes.order[k] + 2);
   }
 }
+
+}  // namespace flexarm::tests::supernodes_test

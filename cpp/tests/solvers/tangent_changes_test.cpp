@@ -7,7 +7,8 @@
 #include "flexarm/assembly/planar_system.hpp"
 #include "flexarm/solvers/hht.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::tangent_changes_test {
+
 using flexarm::assembly::IterationMatrixIn;
 using flexarm::assembly::LoadsIn;
 using flexarm::assembly::StateIn;
@@ -239,3 +240,5 @@ TEST_CASE("An arm folds at its elbow with one factorisation, in little more than
   CHECK(stepper.statistics().factorisations == 1);
   CHECK(stepper.statistics().iterations < 1.5 * stepper.statistics().steps);
 }
+
+}  // namespace flexarm::tests::tangent_changes_test

@@ -6,7 +6,8 @@
 #include "flexarm/simulation/statics.hpp"
 #include "flexarm/solvers/hht.hpp"
 
-using namespace flexarm::tests;
+namespace flexarm::tests::welds_test {
+
 using flexarm::assembly::JointCoordinates;
 using flexarm::solvers::DriveValues;
 using flexarm::solvers::HhtCoefficients;
@@ -132,3 +133,5 @@ TEST_CASE("An arm that rests as a whole is left as it is") {
   const System system(arm, {});
   CHECK_FALSE(Welds(system, true).any());
 }
+
+}  // namespace flexarm::tests::welds_test

@@ -2,10 +2,10 @@
 /// Interpolation of a simulated motion between its steps. In a step h from t_k to t_{k+1}, with t from t_k,
 /// values x and rates v,
 ///
-///     x(t) = x_k + v_k t + (3 δ − 2 v_k − v_{k+1})/h t² + (v_k + v_{k+1} − 2 δ)/h² t³,   δ = (x_{k+1} −
-///     x_k)/h     (1)
+///     x(t) = x_k + v_k t + (3 δ − 2 v_k − v_{k+1})/h t² + (v_k + v_{k+1} − 2 δ)/h² t³            (1)
 ///
-/// Without rates v are differences, central and exact of a parabola, one-sided at both ends.
+/// with δ = (x_{k+1} − x_k)/h. Without rates v are differences, central and exact of a parabola, one-sided at
+/// both ends.
 #pragma once
 
 #include <Eigen/Core>

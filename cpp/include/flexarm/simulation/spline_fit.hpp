@@ -6,9 +6,9 @@
 ///
 /// with Bᵀ B of half band width 3. B-splines of degree k follow from those of degree k − 1,
 ///
-///     B_j^k(t) = (t − t_j)/(t_{j+k} − t_j) B_j^{k−1}(t) + (t_{j+k+1} − t)/(t_{j+k+1} − t_{j+1})
-///     B_{j+1}^{k−1}(t)
-///                                                                                                     (2)
+///     B_j^k(t) = w_j(t) B_j^{k−1}(t) + (1 − w_{j+1}(t)) B_{j+1}^{k−1}(t),                        (2)
+///     w_j(t) = (t − t_j)/(t_{j+k} − t_j)
+///
 /// Source: [deBoor2001], chapters IX and XIV.
 #pragma once
 

@@ -6,6 +6,8 @@
 
 #include "numerics.hpp"
 
+namespace flexarm::tests::dahl_friction_test {
+
 using flexarm::joints::DahlFriction;
 using flexarm::joints::LawMemory;
 using flexarm::tests::near;
@@ -76,3 +78,5 @@ TEST_CASE("A cycle much smaller than the width is elastic") {
   const double taken = move(memory, -a, 100) + move(memory, a, 100);
   CHECK(std::abs(taken) < 1e-2 * 4 * friction.torque * a);
 }
+
+}  // namespace flexarm::tests::dahl_friction_test

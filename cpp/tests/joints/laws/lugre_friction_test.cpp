@@ -7,6 +7,8 @@
 #include "flexarm/joints/laws/dahl_friction.hpp"
 #include "numerics.hpp"
 
+namespace flexarm::tests::lugre_friction_test {
+
 using namespace flexarm::joints;
 using flexarm::tests::near;
 
@@ -71,3 +73,5 @@ TEST_CASE("Stuck, the bristles are a spring and damper: σ₀ and σ₁ + σ₂"
   CHECK(r.stiffness == near(s0));
   CHECK(r.damping == near(s1 + s2));
 }
+
+}  // namespace flexarm::tests::lugre_friction_test

@@ -5,6 +5,8 @@
 #include "flexarm/errors.hpp"
 #include "numerics.hpp"
 
+namespace flexarm::tests::monotone_cubic_test {
+
 using flexarm::InvalidParameter;
 using flexarm::joints::MonotoneCubic;
 using flexarm::tests::derivative;
@@ -64,3 +66,5 @@ TEST_CASE("Tables that do not rise, are not finite or not of one length are refu
   CHECK_THROWS_WITH_AS(MonotoneCubic({0, 1}, {1}), doctest::Contains("as many values"), InvalidParameter);
   CHECK_THROWS_WITH_AS(MonotoneCubic({0}, {1}), doctest::Contains("two or more"), InvalidParameter);
 }
+
+}  // namespace flexarm::tests::monotone_cubic_test

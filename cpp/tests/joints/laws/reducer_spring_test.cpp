@@ -4,6 +4,8 @@
 
 #include "numerics.hpp"
 
+namespace flexarm::tests::reducer_spring_test {
+
 using flexarm::joints::Flank;
 using flexarm::joints::ReducerSpring;
 using flexarm::tests::near;
@@ -70,3 +72,5 @@ TEST_CASE("A flank that statics holds is touched from either side, and agrees wi
   CHECK(loose.respond(1e-4, 0, {.flank = Flank::positive}).stiffness > 1e5);
   CHECK(loose.respond(1e-4, 0, {.flank = Flank::closed}).force == near(1e5 * 1e-4 + 4e9 * 1e-12));
 }
+
+}  // namespace flexarm::tests::reducer_spring_test
