@@ -22,7 +22,7 @@ from typing import Any
 
 from flexarm import file_lock
 from flexarm.arguments import FLAG, PATH, takes
-from flexarm.errors import InvalidFile
+from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.termination import undone_on_exit
 
 PARTIAL, LOCK, ROOM = ".partial", "lock", "new"
@@ -99,12 +99,13 @@ def growing_directory(
 
 
 @contextmanager
-def output_file(path: str | Path, inputs: Iterable[Path] = ()) -> Iterator[Path]:
+def output_file(path: str | Path, inputs: Iterable[Path] = (), force: bool = True) -> Iterator[Path]:
     """Yield a file in a hidden directory, which becomes `path` if the block ends without an error.
 
-    The directory of `path` is there; a file of that name is replaced, one of the inputs never.
+    The directory of `path` is there; with `force` a file of that name is replaced, one of the inputs never.
 
-    Raise InvalidFile if the file is being written by another process, is an input, or cannot be written.
+    Raise InvalidFile if the file is being written by another process, is there without `force`, is an input,
+    or cannot be written.
     """
     target = Path(path)
     if not target.parent.is_dir():
@@ -114,10 +115,11 @@ def output_file(path: str | Path, inputs: Iterable[Path] = ()) -> Iterator[Path]
         with writing(target):
             yield target
         return
-    refuse_existing(target, True, inputs)
+    refuse_existing(target, force, inputs)
     with _claimed(target) as partial:
         with writing(target):
             yield partial
+        refuse_existing(target, force)  # another run may have written it meanwhile
         with uninterrupted(), writing(target):
             partial.replace(target)
             _note(target)
@@ -161,7 +163,7 @@ def writing(target: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, ValueError) as error:
-        if isinstance(error, InvalidFile):
+        if isinstance(error, InvalidParameter):
             raise
         raise _unwritten(target, error) from None
 

@@ -571,7 +571,7 @@ def test_the_command_writes_what_the_function_gives(
     ("options", "message"),
     [
         (["--out", "arm.txt"], "error: command line: --out: must end in .mat or .nc, got arm.txt"),
-        (["--out", "no/arm.mat"], "error: no/arm.mat: output: must be a file in a directory that exists"),
+        (["--out", "no/arm.mat"], "error: no/arm.mat: output: cannot be written: there is no directory no"),
         (["--out", "arm.mat", "--input", "hinge"], "--input: must be NAME=KIND such as hinge=torque"),
         (["--out", "arm.mat", "--input", "hinge=push"], "inputs.hinge: must be one of angle, acceleration"),
         (["--out", "arm.mat", "--input", "nose=torque"], "inputs: there is no moving joint 'nose'"),

@@ -134,6 +134,24 @@ def test_of_two_threads_that_write_one_file_the_second_is_refused(tmp_path: Path
     assert (tmp_path / "a.nc").read_bytes() == b"first"
 
 
+def test_a_file_that_is_written_meanwhile_is_left_alone(tmp_path: Path) -> None:
+    target = tmp_path / "a.mat"
+    with pytest.raises(InvalidFile, match="exists already"), output_file(target, force=False) as partial:
+        partial.write_bytes(b"ours")
+        target.write_bytes(b"theirs")
+    assert contents(tmp_path) == {"a.mat": b"theirs"}
+
+
+@pytest.mark.parametrize("command", ["linearise", "reduce"])
+def test_of_two_runs_into_one_file_the_second_is_refused_before_its_work(place: Path, command: str) -> None:
+    with output_file(place / "out.nc") as partial:
+        done = flexarm(place, command, "arm.toml", "--out", "out.nc")
+        assert (done.returncode, done.stdout) == (2, "")
+        assert "error: out.nc: output: another run is writing it" in done.stderr
+        partial.write_bytes(b"first")
+    assert (place / "out.nc").read_bytes() == b"first"
+
+
 def test_a_directory_that_is_filled_meanwhile_is_left_alone(tmp_path: Path) -> None:
     target = tmp_path / "out"
     with (

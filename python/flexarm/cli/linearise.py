@@ -18,7 +18,7 @@ from flexarm.cli.options import (
     print_json,
 )
 from flexarm.errors import InvalidFile
-from flexarm.output import refuse_existing
+from flexarm.output import output_file
 
 Out = Annotated[Path, typer.Option("--out", metavar="FILE", help="Where to write: FILE.mat or FILE.nc.")]
 Inputs = Annotated[
@@ -71,14 +71,14 @@ def linearise(
     if out.suffix not in (".mat", ".nc"):
         raise InvalidFile("command line", "--out", f"must end in .mat or .nc, got {out}")
     arm = load_arm(model)
-    refuse_existing(out, force, [model, *arm.part_files])
     values = joint_values(arm, model, joint)
     asked = _pairs(inputs)
     from flexarm.linear import linearise as solve  # NumPy and the core, not needed for --help
 
-    with blame(model):
-        found = solve(arm, joints=values, inputs=asked, outputs=outputs or None, modes=modes)
-    found.save(out, [model])
+    with output_file(out, [model, *arm.part_files], force) as file:
+        with blame(model):
+            found = solve(arm, joints=values, inputs=asked, outputs=outputs or None, modes=modes)
+        found.save(file)
     if json:
         print_json({"file": str(out), **found.to_json_dict()})
     else:

@@ -137,23 +137,25 @@ def reduce(
     `flexarm check hub.nc` describes the file.
     """
     inputs = _inputs(mesh, grids, order, mass_matrix, damping_matrix)
-    refuse_existing(out, force, inputs)
     if picture is not None:
         refuse_existing(picture, force, inputs)
-    if grids is not None or mesh.suffix.lower() in MATRIX_SUFFIXES:
-        refuse_for_matrices(mesh, grids, modes, max_frequency, material, picture, damping_ratio, recovery)
-        solid = None
-        element = accepted(mesh, grids, interface, order, mass_matrix, damping_matrix, unit, mass, tolerance)
-    else:
-        refuse_for_meshes(order, mass_matrix, damping_matrix, tolerance)
-        solid = solid_part(mesh, unit, material, merge, mass)
-        element = reduced(
-            mesh, solid, interface, modes, max_frequency, damping_ratio, lumped, mass, recovery, json
-        )
-    with nullcontext() if picture is None else output_file(picture, inputs) as drawn:
-        if drawn is not None and solid is not None:
-            draw(solid, element, interface, drawn)
-        element.save(out, force)
+    with output_file(out, inputs, force) as file:
+        if grids is not None or mesh.suffix.lower() in MATRIX_SUFFIXES:
+            refuse_for_matrices(mesh, grids, modes, max_frequency, material, picture, damping_ratio, recovery)
+            solid = None
+            element = accepted(
+                mesh, grids, interface, order, mass_matrix, damping_matrix, unit, mass, tolerance
+            )
+        else:
+            refuse_for_meshes(order, mass_matrix, damping_matrix, tolerance)
+            solid = solid_part(mesh, unit, material, merge, mass)
+            element = reduced(
+                mesh, solid, interface, modes, max_frequency, damping_ratio, lumped, mass, recovery, json
+            )
+        with nullcontext() if picture is None else output_file(picture, inputs) as drawn:
+            if drawn is not None and solid is not None:
+                draw(solid, element, interface, drawn)
+            element.save(file)
     warn(out, element.check(tolerance=tolerance))
     if json:
         print_json({"file": str(out), **element.to_json_dict()})
