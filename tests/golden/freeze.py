@@ -156,7 +156,6 @@ def main() -> int:
         chosen = given.only.split(",") if given.only else list(old if given.check else cases)
         chosen = [name for name in chosen if name in cases]
         work = [given.work / f"{name}.json" for name in chosen]
-        work = [given.work / f"{name}.json" for name in chosen]
         with ThreadPoolExecutor(given.jobs) as pool:
             answers = pool.map(_kept, work, [cases[name] for name in chosen])
             found = dict(zip(chosen, answers, strict=True))
