@@ -92,6 +92,7 @@ def test_cells_in_no_physical_group_are_read_beside_others(tmp_path):
         ("3 2 0 5", "3 2 1 5", r"\$Nodes: holds parametric coordinates; save without"),
         ("3 2 4 2", "3 2 99 2", r"\$Elements: holds cells of the unknown type 99"),
         ("4.1 0 8", "4.0 0 8", r"\$MeshFormat: must be version 2.2 or 4.1, got 4.0"),
+        ("4.1 0 8", "4 0 8", r"\$MeshFormat: must be version 2.2 or 4.1, got 4;"),
     ],
 )
 def test_a_section_at_fault_is_named(tmp_path, old, new, told):

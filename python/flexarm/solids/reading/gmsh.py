@@ -129,7 +129,7 @@ class _Sections:
 
     def _format(self) -> None:
         self.version, binary, size = self._line().split()
-        if self.version not in ("2", "2.2", "4", "4.1"):
+        if self.version not in ("2", "2.2", "4.1"):
             what = f"must be version 2.2 or 4.1, got {self.version}; Gmsh saves either"
             raise InvalidFile(self.numbers.path, "$MeshFormat", what)
         self.numbers.text = binary == "0"
