@@ -361,6 +361,18 @@ def test_points_inside_elements_are_seen_as_alone(make: Callable[..., flexarm.Ar
         assert np.array_equal(run.velocity, single.velocity)
 
 
+def test_runs_without_joints_move_as_those_with_them() -> None:
+    rng = np.random.default_rng(9)
+    late = {"name": "drive_lag", "at": "hinge", "delay": 0.01}
+    pairs = [(mast(rng, late), DRIVE) for _ in range(2)]
+    for run, whole in zip(side_by_side(pairs, joints=False), side_by_side(pairs), strict=True):
+        assert run is not None and whole is not None
+        assert run.joint_angle is None and run.motor_torque is None
+        assert np.array_equal(run.position, whole.position)
+        assert run.joint_command is not None
+        assert np.array_equal(run.joint_command, whole.joint_command, equal_nan=True)
+
+
 def test_what_does_not_fit_is_left_to_run_alone() -> None:
     rng = np.random.default_rng(9)
     arm = mast(rng)

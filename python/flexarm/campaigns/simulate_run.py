@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -92,7 +93,7 @@ class SimulateRun(Runner):
             "rotations": any(quantity in TURNS for quantity in seen),
         }
         pairs = [(arm, self.drives[case]) for arm, case in zip(arms, cases, strict=True)]
-        together = side_by_side(pairs, **options)
+        together = side_by_side(pairs, joints=not seen <= {"position", *TURNS}, **options)
         return [
             tried(simulate, *pair, **options) if run is None else run
             for pair, run in zip(pairs, together, strict=True)
@@ -112,11 +113,12 @@ class SimulateRun(Runner):
 
 def statistics(keep: Keep, deviation: Floats) -> dict[str, float]:
     """Return the statistics (1) of a deviation, shape (n, channels), by the name of their variable."""
-    length = deviation[:, 0] if deviation.shape[1] == 1 else np.linalg.norm(deviation, axis=1)
+    squares = deviation**2 @ np.ones(deviation.shape[1])
+    last = deviation[-1]
     values = {
-        "rms": float(np.sqrt(np.mean(length**2))),
-        "max": float(np.max(np.abs(length))),
-        "final": float(length[-1]),
+        "rms": float(np.sqrt(np.mean(squares))),
+        "max": float(np.sqrt(np.max(squares))),
+        "final": float(last[0] if len(last) == 1 else np.linalg.norm(last)),
     }
     return {f"{keep.variable}_{name}": values[name] for name in keep.statistics}
 
@@ -185,6 +187,7 @@ def _keep_problems(keep: Keep, i: int, arm: Arm) -> Found:
     return found
 
 
+@lru_cache  # every run is read by the same
 def _sensor(keep: Keep) -> Sensor:
     keys = ("joint", "point", "link", "side", "axes", "position", "fibre")
     given = {key: getattr(keep, key) for key in keys}
@@ -198,12 +201,7 @@ def _sensor(keep: Keep) -> Sensor:
 
 def _read(run: Any, keep: Keep, instants: Floats) -> Floats:
     """Return the values of a perfect sensor, shape (n, channels); NaN at instants that are infinite."""
-    sensor = _sensor(keep)
-    there = np.isfinite(instants)
-    values = predict(run, sensor, stamps=instants[there])
-    found = np.full((len(instants), values.shape[1]), np.nan)
-    found[there] = values
-    return found
+    return predict(run, _sensor(keep), stamps=instants)
 
 
 def _variables(keep: Keep, arm: Arm, time: str, instants: Floats) -> list[Variable]:

@@ -37,7 +37,7 @@ def as_followed(drive: Drive, arm: Arm) -> Drive:
     """
     effects = {effect.at: effect for effect in arm.effects if isinstance(effect, DriveEffect)}
     late = _late(drive, effects)
-    if any(joint.side == "command" for joint in drive.joints.values()):
+    if not arm.gears or any(joint.side == "command" for joint in drive.joints.values()):
         return late
     at_inputs = late.at_inputs(arm)
     return _late(at_inputs, {name: e for name, e in effects.items() if name not in drive.joints})
@@ -49,6 +49,8 @@ def lagging(drive: Drive, arm: Arm) -> list[str]:
 
 
 def _late(drive: Drive, effects: dict[str, DriveEffect]) -> Drive:
+    if drive.joints.keys().isdisjoint(effects):
+        return drive
     joints = dict(drive.joints)
     for name in joints.keys() & effects.keys():
         delay, time_constant = effects[name].lag()

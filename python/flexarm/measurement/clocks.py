@@ -39,6 +39,8 @@ class ClockError:
 
     def instants(self, stamps: Floats) -> Floats:
         """Return the instants t of stamps, eq. (1) solved for t."""
+        if not self.delay and not self.rate:
+            return stamps
         return (stamps - self.delay + self.rate * self.since) / (1 + self.rate)
 
     def counted_from(self, since: float) -> ClockError:

@@ -96,7 +96,7 @@ class Registration:
         `elapsed` [s] is s.
         """
         if self.is_base:
-            return base[:, axes]
+            return base if list(axes) == [0, 1, 2] else base[:, axes]
         along = self.scale * self.frame_axes[:, axes]
         measured: Floats = base @ (self.error_rotation.T @ along)
         measured += (np.asarray(self.translation) - np.asarray(self.origin)) @ along

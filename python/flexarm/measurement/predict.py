@@ -104,5 +104,6 @@ def in_frame(
 ) -> Floats:
     """Return readings `in_base` as they are in the sensor's frame, along its axes."""
     if what.quantity == "position":
-        return registration.positions(values, instants - simulation.time[0], columns(what.axes))
+        elapsed = instants - simulation.time[0] if any(registration.velocity) else 0.0
+        return registration.positions(values, elapsed, columns(what.axes))
     return registration.orientations(values) if what.quantity == "orientation" else values

@@ -26,16 +26,17 @@ _NOT_SIDE_BY_SIDE = ("forces", "rotations", "energies", "sensitivities")
 """Options of `simulate` that only runs alone have."""
 
 
-def side_by_side(pairs: Iterable[Pair], **options: Any) -> list[Simulation | None]:
+def side_by_side(pairs: Iterable[Pair], *, joints: bool = True, **options: Any) -> list[Simulation | None]:
     """Return the runs that fit, in their order, and None for each that is to be run alone.
 
-    Options are those of `simulate`. What is wrong with a run, it tells alone.
+    Options are those of `simulate`; without `joints` their angles, rates and torques are left out. What is
+    wrong with a run, it tells alone.
     """
     wanted = list(pairs)
     defaults = {name: each.default for name, each in signature(simulate).parameters.items()}
     given = defaults | options
     fits = given.keys() == defaults.keys() and not any(given[name] for name in _NOT_SIDE_BY_SIDE)
-    started = [_started(arm, drive, given) if fits else None for arm, drive in wanted]
+    started = [_started(arm, drive, joints, given) if fits else None for arm, drive in wanted]
     found: list[Simulation | None] = [None] * len(wanted)
     for group in _alike(started):
         runs = _core.simulate_side_by_side(
@@ -49,7 +50,7 @@ def side_by_side(pairs: Iterable[Pair], **options: Any) -> list[Simulation | Non
     return found
 
 
-def _started(arm: Arm, drive: Drive | Record, given: dict[str, Any]) -> StartedRun | None:
+def _started(arm: Arm, drive: Drive | Record, joints: bool, given: dict[str, Any]) -> StartedRun | None:
     """Return a run at its start, or None where something is wrong, or it runs alone."""
     try:
         names = ("step", "alpha", "end", "forces", "rotations")
@@ -57,6 +58,7 @@ def _started(arm: Arm, drive: Drive | Record, given: dict[str, Any]) -> StartedR
         if run.drive.rates is not None or any(j.side == "command" for j in run.drive.joints.values()):
             return None
         run.options.consistent_forces = given["consistent_forces"]
+        run.options.record_joints = joints
         run.options.dimension = coordinates(given["dimension"])
         return StartedRun.of(run)
     except Exception:  # the run alone tells

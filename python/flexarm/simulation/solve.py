@@ -87,7 +87,7 @@ def _with_drive(run: PreparedRun, found: Simulation) -> Simulation:
     late = lagging(run.told, run.arm)
     if not late:
         return found
-    command = np.full(found.drive_angle.shape, np.nan)
+    command = np.full((len(found.time), len(found.joints)), np.nan)
     for name in late:
         command[:, found.joints.index(name)] = run.told.joints[name](found.time)
     return replace(found, joint_command=read_only(command))
