@@ -88,6 +88,13 @@ def test_a_series_of_two_parameters_parts_into_what_each_makes():
     assert whole.variance / 60 == pytest.approx(2.5, rel=0.02)
 
 
+def test_a_resample_may_lack_a_value():
+    """Of 60 samples one has the third value: it is in 63 % of the resamples."""
+    x = np.r_[np.zeros(30), np.ones(29), 2.0][:, None]
+    found = from_samples(x, x[:, 0] + np.random.default_rng(2).normal(size=60))
+    assert 0.02 < found.first90[0, 1] - found.first90[0, 0] < 0.5
+
+
 def test_few_samples_say_nothing():
     assert from_samples(np.zeros((20, 1)), np.arange(20.0)) is None
 

@@ -53,8 +53,9 @@ def from_samples(x: Floats, y: Floats, seed: int = 0) -> Indices | None:
     rng = np.random.default_rng(seed)
     m = min(n, MOST_RESAMPLED)
     draws = [rng.integers(n, size=m) for _ in range(RESAMPLES)]
-    first = np.array([_adjusted(_basis(column), y) for column in x.T])
-    spread = np.array([[_adjusted(_basis(column[draw]), y[draw]) for draw in draws] for column in x.T])
+    bases = [_basis(column) for column in x.T]
+    first = np.array([_adjusted(basis, y) for basis in bases])
+    spread = np.array([[_adjusted(basis[draw], y[draw]) for draw in draws] for basis in bases])
     unknown = np.full(d, np.nan)
     return Indices(first, _interval(spread, first, np.sqrt(m / n)), unknown, np.full((d, 2), np.nan))
 
@@ -90,7 +91,8 @@ class SeriesIndices:
         if self._whole == 0:
             return np.zeros(len(self._bases))
         ratios = self._explained / self._whole
-        return np.array([_less_chance(r, self._count, b) for r, b in zip(ratios, self._bases, strict=True)])
+        sizes = [basis.shape[1] for basis in self._bases]
+        return np.array([_less_chance(r, self._count, p) for r, p in zip(ratios, sizes, strict=True)])
 
 
 def from_saltelli(f: Floats, seed: int = 0) -> Indices | None:
@@ -123,14 +125,17 @@ def _basis(x: Floats) -> Floats:
 
 def _adjusted(basis: Floats, y: Floats) -> float:
     """Return S of (1)."""
-    off = y - y.mean()
-    whole = float(off @ off)
-    return 0.0 if whole == 0 else _less_chance(float(np.sum((basis.T @ off) ** 2)) / whole, len(y), basis)
+    off, columns = y - y.mean(), basis - basis.mean(axis=0)
+    whole, along = float(off @ off), columns.T @ off
+    if whole == 0:
+        return 0.0
+    fit, _, p, _ = np.linalg.lstsq(columns.T @ columns, along)  # a resample may lack a value
+    return _less_chance(float(along @ fit) / whole, len(y), int(p))
 
 
-def _less_chance(ratio: float, n: int, basis: Floats) -> float:
+def _less_chance(ratio: float, n: int, p: int) -> float:
     """Return S of (1), given R^2."""
-    return 1 - (1 - ratio) * (n - 1) / max(n - 1 - int(basis.shape[1]), 1)  # eq. (1)
+    return 1 - (1 - ratio) * (n - 1) / max(n - 1 - p, 1)  # eq. (1)
 
 
 def _swapped(f: Floats) -> tuple[Floats, Floats]:
