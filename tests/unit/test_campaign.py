@@ -161,7 +161,7 @@ def test_the_time_of_a_run_is_not_that_of_the_first_one():
         def outcomes(self, arms, cases):
             return [{} for _, _ in zip(arms, cases, strict=True)]
 
-    assert campaigns.seconds_of_a_run(Quick(), None, 0.2) < 0.05
+    assert campaigns.seconds_of_a_run(Quick(), None, 1.9) < 0.05
     assert campaigns.seconds_of_a_run(Quick(), None, 10.0) == 10.0
 
 

@@ -267,12 +267,14 @@ def _compute(
 
 def seconds_of_a_run(runner: Runner, arm: Arm, nominal: float) -> float:
     """Return the time of one run among others [s], given that of the nominal one, which loads libraries."""
-    size = runner.at_once
-    if nominal * size > TASK_SECONDS:
-        return nominal
-    began = time.perf_counter()
-    runner.outcomes([arm] * size, [0] * size)
-    return min(nominal, (time.perf_counter() - began) / size)
+    found = nominal
+    for size in (1, runner.at_once):
+        if found * size > TASK_SECONDS:
+            break
+        began = time.perf_counter()
+        runner.outcomes([arm] * size, [0] * size)
+        found = min(found, (time.perf_counter() - began) / size)
+    return found
 
 
 def _here(jobs: int | None, seconds: float) -> bool:

@@ -201,8 +201,15 @@ CONNECT_SECONDS = 10
 
 
 def _local(jobs: int | None, room: Path) -> Any:
-    """Return a cluster of processes of one thread each that only this machine reaches."""
-    with _quiet_tracker():
+    """Return a cluster of processes of one thread each that only this machine reaches.
+
+    Its workers keep memory that the next runs need, which Dask's give back, and take no samples of stacks.
+    """
+    settings = {
+        "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
+        "distributed.worker.profile.enabled": False,
+    }
+    with _quiet_tracker(), import_module("dask").config.set(settings):
         return _dask().LocalCluster(
             n_workers=jobs or os.cpu_count() or 1,
             threads_per_worker=1,
