@@ -1,5 +1,7 @@
 """Claims about drives: splines through samples, held outside, read from CSV."""
 
+import pickle
+
 import numpy as np
 import pytest
 from arms import arm, hinge, rigid
@@ -43,6 +45,14 @@ def test_drive_is_held_before_and_after():
     core = found.polynomial()
     assert list(core(7.0)) == pytest.approx([cubic(2.0), 0, 0], abs=1e-14)
     assert list(core(-5.0)) == pytest.approx([cubic(0.0), 0, 0], abs=1e-14)
+
+
+def test_runs_share_the_polynomial_of_a_drive_and_processes_make_their_own():
+    found = Drive.from_samples(T, {"hinge": cubic(T)}).joints["hinge"]
+    assert found.polynomial() is found.polynomial()
+    other = pickle.loads(pickle.dumps(found))
+    assert list(other.polynomial()(0.8)) == list(found.polynomial()(0.8))
+    assert other.side == found.side
 
 
 def test_the_core_differentiates_the_same_polynomial():

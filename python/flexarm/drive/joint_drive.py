@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -67,9 +68,16 @@ class JointDrive:
             raise InvalidParameter(what, where="values")
         return cls(np.append(time, time[-1] + 1.0), np.asarray(values, dtype=float)[None, :], "command")
 
-    def polynomial(self) -> _core.PiecewisePolynomial:
-        """Return the polynomial of the core."""
+    @cached_property
+    def _polynomial(self) -> _core.PiecewisePolynomial:
         return _core.PiecewisePolynomial(self.breaks, self.coefficients)
+
+    def polynomial(self) -> _core.PiecewisePolynomial:
+        """Return the polynomial of the core; runs of many arms along a drive share it."""
+        return self._polynomial
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {each.name: getattr(self, each.name) for each in fields(self)}
 
     def __call__(self, time: ArrayLike) -> Floats:
         """Return the values at times [s]."""
