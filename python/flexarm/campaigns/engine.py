@@ -203,11 +203,14 @@ CONNECT_SECONDS = 10
 def _local(jobs: int | None, room: Path) -> Any:
     """Return a cluster of processes of one thread each that only this machine reaches.
 
-    Its workers keep memory that the next runs need, which Dask's give back, and take no samples of stacks.
+    Its workers keep memory that the next runs need, which Dask's give back. They take no samples of stacks,
+    and no loop looks 50 times a second how late it is.
     """
     settings = {
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
         "distributed.worker.profile.enabled": False,
+        "distributed.admin.tick.interval": "1s",
+        "distributed.admin.system-monitor.interval": "10s",
     }
     with _quiet_tracker(), import_module("dask").config.set(settings):
         return _dask().LocalCluster(
