@@ -100,6 +100,16 @@ def test_quantities_without_rates_take_differences_of_uneven_steps():
     assert sample(time[:2], time[:2], np.array([0.05])) == pytest.approx(0.05)
 
 
+def test_samples_at_the_steps_are_an_array_of_their_own():
+    """Also where the motion is read-only, as that of a simulation is."""
+    time = np.linspace(0.0, 1.0, 5)
+    values = time**2
+    values.setflags(write=False)
+    found = sample(time, values, time)
+    found -= found[2]
+    assert list(found + values[2]) == list(values)
+
+
 def test_position_is_sampled_at_the_sensors_own_instants():
     t, values = noiseless(quantity="position", axes=["z", "x"])
     np.testing.assert_allclose(np.diff(t), 1 / 37, rtol=1e-9)

@@ -76,7 +76,7 @@ def sample(time: Floats, values: Floats, instants: Floats, rates: Floats | None 
     After the last step they are NaN; before the first one its value, for up to `EARLY` with its rate.
     """
     if instants is time:
-        return values
+        return values.copy()
     columns = values.reshape(len(values), -1)
     slopes = columns[:0] if rates is None else rates.reshape(columns.shape)
     found: Floats = _core.sample_motion(time, columns, slopes, instants, EARLY)
