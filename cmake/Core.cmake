@@ -28,13 +28,16 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$" AND CMAKE_CXX_COMPILE
   )
 endif()
 list(FILTER core_sources EXCLUDE REGEX "/lanes/kernel_[a-z0-9]+[.]cpp$")
+list(REVERSE core_sources) # Ninja begins with the last: the assembly, which takes longest
 
 add_library(flexarm_common OBJECT ${core_sources} ${lane_sources})
 target_include_directories(
   flexarm_common PUBLIC ${PROJECT_SOURCE_DIR}/cpp/include PRIVATE ${PROJECT_BINARY_DIR}/generated
 )
 target_link_libraries(flexarm_common PUBLIC flexarm_eigen flexarm_suitesparse Threads::Threads PRIVATE flexarm_options)
-target_precompile_headers(flexarm_common PRIVATE <Eigen/Dense> <Eigen/SparseCore> <functional> <string> <vector>)
+target_precompile_headers(
+  flexarm_common PRIVATE <Eigen/Dense> <Eigen/SparseCore> <functional> <string> <vector> <flexarm/model/arm.hpp>
+)
 set(CMAKE_CXX_COMPILE_OPTIONS_PIE -fPIC) # as in flexarm_common, so that the tests can read what it precompiled
 
 # add_core(name [libraries that factorise])

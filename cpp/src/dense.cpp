@@ -46,6 +46,14 @@ Eigenpairs by_lapack(const MatrixXd& A) {
   return pairs;
 }
 
+template <class Decomposition>
+Decomposition decomposed(const MatrixXd& A, std::optional<double> rank_tolerance) {
+  Decomposition decomposition;
+  if (rank_tolerance) decomposition.setThreshold(*rank_tolerance);
+  decomposition.compute(A);
+  return decomposition;
+}
+
 }  // namespace
 
 Eigenpairs eigenpairs(const MatrixXd& A) {
@@ -86,8 +94,12 @@ MatrixXd congruent(const MatrixXd& A, const MatrixXd& T) { return T.transpose() 
 
 MatrixXd inverse(const MatrixXd& A) { return Eigen::PartialPivLU<MatrixXd>(A).inverse(); }
 
-MatrixXd least_squares(const MatrixXd& A, const MatrixXd& B) {
-  return Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(B);
+MatrixXd least_squares(const MatrixXd& A, const MatrixXd& B, std::optional<double> rank_tolerance) {
+  return decomposed<Eigen::CompleteOrthogonalDecomposition<MatrixXd>>(A, rank_tolerance).solve(B);
+}
+
+Eigen::Index rank(const MatrixXd& A, double tolerance) {
+  return decomposed<Eigen::ColPivHouseholderQR<MatrixXd>>(A, tolerance).rank();
 }
 
 MatrixXd orthonormal(const MatrixXd& A) {

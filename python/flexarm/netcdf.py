@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexarm.checksum import add_checksum
 from flexarm.output import write_file
 
 if TYPE_CHECKING:
@@ -63,6 +64,7 @@ def save(contents: Contents, path: str | Path, inputs: Iterable[Path] = ()) -> N
     """
     image = BytesIO()
     _write(contents, image)
+    add_checksum(image)
     write_file(path, image.getbuffer(), inputs)
 
 
@@ -78,6 +80,7 @@ def growing_hdf5(path: Path) -> Iterator[Any]:
         try:
             with h5py.File(sink, "w") as file:
                 yield file
+            add_checksum(sink)
         finally:
             if sink.error is not None:
                 raise sink.error

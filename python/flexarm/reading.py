@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexarm.checksum import check_checksum
 from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
 
 if TYPE_CHECKING:
@@ -139,10 +140,11 @@ def room(path: str | Path, where: str, declared: int, size: int | None = None) -
 
 
 def check_hdf5(path: str | Path) -> None:
-    """Raise InvalidFile if an HDF5 file leads to other files, or unfolds to more than it can hold."""
+    """Raise InvalidFile if HDF5 is damaged, leads to other files, or unfolds to more than a file can hold."""
     import h5py  # type: ignore[import-untyped]
 
-    if has_endless_heap(regular_file(path)):
+    check_checksum(regular_file(path))
+    if has_endless_heap(Path(path)):
         raise InvalidFile(path, "file", "cannot be read as NetCDF: texts in it have no end")
     with reading(path, "NetCDF"), h5py.File(path, "r") as file:
         total, size = 0, Path(path).stat().st_size

@@ -69,3 +69,12 @@ def test_a_frame_turned_by_degrees_is_doubted():
     record = flexarm.Record(signals=signals, drive=("hinge",), frames={"tracker": turned})
     [found] = [problem for problem in validate(record) if problem.where == "frames.tracker.rpy"]
     assert found.what == "is [0.0, 0.0, 74.5] rad; write degrees as radians"
+
+
+def test_a_beam_of_no_length_to_speak_of_is_told(tmp_path, request):
+    text = (request.config.rootpath / "examples/telescopic_crane.toml").read_text()
+    model = tmp_path / "crane.toml"
+    model.write_text(text.replace("end = [3, 0, 0]", "end = [1e-300, 0, 0]"))
+    with pytest.raises(InvalidParameter, match="`end` must not be the origin"):
+        flexarm.static(flexarm.Arm.load(model))
+    assert any("1e-300 m long" in str(warning) for warning in flexarm.Arm.load(model).warnings)

@@ -1,11 +1,15 @@
 """Claims about files of results: xarray reads what flexarm wrote without it, name by name."""
 
+import random
+
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
 
 from flexarm.errors import InvalidFile
-from flexarm.netcdf import Contents, save
+from flexarm.netcdf import Contents, growing_hdf5, save
+from flexarm.reading import check_hdf5
 
 TIME = np.linspace(0.0, 1.0, 5)
 EXAMPLE = Contents(
@@ -53,3 +57,31 @@ def test_a_directory_in_the_place_of_the_file_is_named(tmp_path):
     with pytest.raises(InvalidFile, match=r"run\.nc: output: must be a file"):
         save(EXAMPLE, tmp_path / "run.nc")
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
+
+
+@pytest.mark.parametrize("grows", [False, True])
+def test_a_damaged_byte_anywhere_is_told(tmp_path, grows):
+    path = tmp_path / "example.nc"
+    if grows:
+        with growing_hdf5(path) as file:
+            file["x"] = TIME
+    else:
+        save(EXAMPLE, path)
+    check_hdf5(path)
+    whole = path.read_bytes()
+    generator = random.Random(1)
+    for _ in range(200):
+        at = generator.randrange(len(whole) - 20)
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 1 << generator.randrange(8)]) + whole[at + 1 :])
+        with pytest.raises(InvalidFile, match="is damaged: its checksum"):
+            check_hdf5(path)
+
+
+def test_a_file_that_another_program_changes_has_no_checksum_any_more(tmp_path):
+    save(EXAMPLE, tmp_path / "example.nc")
+    with h5py.File(tmp_path / "example.nc", "r+") as file:
+        file.attrs["comment"] = "looked at"
+        file["position"][0] = 7.0
+    check_hdf5(tmp_path / "example.nc")
+    with xr.open_dataset(tmp_path / "example.nc", engine="h5netcdf") as found:
+        assert found.attrs["comment"] == "looked at"

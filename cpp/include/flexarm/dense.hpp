@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 namespace flexarm::dense {
 
@@ -50,8 +51,12 @@ MatrixXd congruent(const MatrixXd& A, const MatrixXd& T);
 /// A⁻¹, by elimination with row pivots.
 MatrixXd inverse(const MatrixXd& A);
 
-/// An X of the least |A X − B|.
-MatrixXd least_squares(const MatrixXd& A, const MatrixXd& B);
+/// The shortest X of the least |A X − B|. A pivot below the tolerance, as a share of the largest, counts as
+/// zero; by default that of rounding.
+MatrixXd least_squares(const MatrixXd& A, const MatrixXd& B, std::optional<double> rank_tolerance = {});
+
+/// Number of independent columns of A, with the same tolerance.
+Eigen::Index rank(const MatrixXd& A, double tolerance);
 
 /// Orthonormal columns that span those of A.
 MatrixXd orthonormal(const MatrixXd& A);

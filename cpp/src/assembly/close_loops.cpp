@@ -6,7 +6,6 @@
 /// by Newton's method with least-squares steps: G may have more rows than columns or the other way round, and
 /// rows that repeat one another. Of G only the joints on the way between the two ends of a closure matter,
 /// with δ = Ad(H⁻¹ B) ξ δθ the motion of a node at H by a joint at B. Lengths count in parts of the reach.
-#include <Eigen/QR>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cstdio>
@@ -130,13 +129,6 @@ std::vector<double> beside(const model::Arm& arm, std::vector<double> values, co
   return values;
 }
 
-Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposed(const MatrixXd& G) {
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> qr;
-  qr.setThreshold(rank_tolerance);
-  qr.compute(G);
-  return qr;
-}
-
 }  // namespace
 
 /// Equation (1), each step shortened until the conditions come closer.
@@ -152,7 +144,7 @@ System::Closed System::newton(std::vector<double> values, const std::vector<int>
   VectorXd g = loop_gap(values);
   for (int k = 0; k < most_steps && !unknowns.empty(); ++k) {
     const bool close = g.lpNorm<Eigen::Infinity>() <= met * reach_;
-    VectorXd step = -decomposed(loop_jacobian(values, unknowns)).solve(g);
+    VectorXd step = -dense::least_squares(loop_jacobian(values, unknowns), g, rank_tolerance);
     if (!step.allFinite()) break;
     step *= std::min(1.0, longest_step / std::max(step.lpNorm<Eigen::Infinity>(), 1e-300));
     bool closer = false;
@@ -381,7 +373,7 @@ std::vector<int> System::joints_to_hold(const std::vector<int>& held,
   const auto rank = [&](const std::vector<int>& of) {
     Eigen::Index most = 0;
     for (const std::vector<double>& pose : poses) {
-      if (!of.empty()) most = std::max(most, decomposed(loop_jacobian(pose, of)).rank());
+      if (!of.empty()) most = std::max(most, dense::rank(loop_jacobian(pose, of), rank_tolerance));
     }
     return most;
   };

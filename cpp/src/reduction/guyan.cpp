@@ -1,6 +1,6 @@
 #include "flexarm/reduction/guyan.hpp"
 
-#include <Eigen/QR>
+#include "flexarm/dense.hpp"
 
 namespace flexarm::reduction {
 namespace {
@@ -20,8 +20,7 @@ VectorXd equal_units(Index n_freedoms, double length) {
 /// Orthonormal basis of R̂ in freedoms of equal unit.
 MatrixXd rigid_basis(const std::vector<Interface>& interfaces, const Support& support) {
   const MatrixXd R = rigid_motion(interfaces, support.centre);
-  const MatrixXd scaled = equal_units(R.rows(), support.length).asDiagonal() * R;
-  return Eigen::HouseholderQR<MatrixXd>(scaled).householderQ() * MatrixXd::Identity(R.rows(), 6);
+  return dense::orthonormal(equal_units(R.rows(), support.length).asDiagonal() * R);
 }
 
 /// Ψ := Ψ + (R − Ψ R̂) R̂⁺: eq. (3) to rounding.
@@ -30,8 +29,7 @@ void restore_rigid_motion(MatrixXd& Psi, const Coordinates& coordinates,
   const VectorXd scale = equal_units(Psi.cols(), support.length);
   const MatrixXd R_hat =
       rigid_motion(interfaces, support.centre) * equal_units(6, support.length).cwiseInverse().asDiagonal();
-  const MatrixXd inverse =
-      (scale.asDiagonal() * R_hat).completeOrthogonalDecomposition().pseudoInverse() * scale.asDiagonal();
+  const MatrixXd inverse = dense::least_squares(scale.asDiagonal() * R_hat, scale.asDiagonal());
   Psi += (rigid_motion(coordinates, support) - Psi * R_hat) * inverse;
 }
 

@@ -1,5 +1,6 @@
 #include "flexarm/solids/stress.hpp"
 
+#include "flexarm/dense.hpp"
 #include "flexarm/errors.hpp"
 #include "flexarm/solids/cell_matrices.hpp"
 
@@ -7,6 +8,7 @@ namespace flexarm::solids {
 namespace {
 
 using Eigen::Matrix3d;
+using Eigen::MatrixXd;
 
 template <class Cell>
 constexpr int n_samples = std::decay_t<decltype(Cell::stress_rule())>::size;
@@ -14,17 +16,15 @@ constexpr int n_samples = std::decay_t<decltype(Cell::stress_rule())>::size;
 /// From values at the points of the stress rule to those at the nodes, by the (tri)linear function through
 /// them.
 template <class Cell>
-const auto& extrapolation() {
+const MatrixXd& extrapolation() {
   using Linear = typename Cell::Linear;
-  constexpr int n = n_samples<Cell>;
-  static_assert(n == Linear::n_nodes);
-  static const Eigen::Matrix<double, Cell::n_nodes, n> E = [] {
-    Eigen::Matrix<double, Cell::n_nodes, n> at_nodes;
+  static_assert(n_samples<Cell> == Linear::n_nodes);
+  static const MatrixXd E = [] {
+    MatrixXd at_nodes(Cell::n_nodes, n_samples<Cell>), at_samples(n_samples<Cell>, n_samples<Cell>);
     for (int a = 0; a < Cell::n_nodes; ++a) at_nodes.row(a) = Linear::values(Cell::node(a)).transpose();
-    Eigen::Matrix<double, n, n> at_samples;
-    for (int p = 0; p < n; ++p)
+    for (int p = 0; p < n_samples<Cell>; ++p)
       at_samples.row(p) = Linear::values(Cell::stress_rule().points.col(p)).transpose();
-    return (at_nodes * at_samples.inverse()).eval();
+    return MatrixXd(at_nodes * dense::inverse(at_samples));
   }();
   return E;
 }
@@ -62,12 +62,12 @@ Eigen::Matrix<double, Cell::n_nodes, 7> nodal_stresses(const NodePositions<Cell>
                                                        const NodePositions<Cell>& u, const Lame& material) {
   const auto points = strain_points<Cell>(X, stress_table<Cell>());
   const Coordinates<Cell> q = coordinates<Cell>(X, u, material);
-  Eigen::Matrix<double, n_samples<Cell>, 6> sampled;
+  MatrixXd sampled(n_samples<Cell>, 6);
   for (int p = 0; p < n_samples<Cell>; ++p)
     sampled.row(p) = stress(q * points.gradients[p].transpose(), material).transpose();
   Eigen::Matrix<double, Cell::n_nodes, 7> result;
-  result << extrapolation<Cell>() * sampled,
-      Eigen::Matrix<double, Cell::n_nodes, 1>::Constant(points.volumes.sum());
+  result.template leftCols<6>() = MatrixXd(extrapolation<Cell>() * sampled);
+  result.col(6).setConstant(points.volumes.sum());
   return result;
 }
 

@@ -1,11 +1,11 @@
 #include "flexarm/solvers/dissected_inverse.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 
+#include "flexarm/dense.hpp"
 #include "flexarm/solvers/dissection.hpp"
 
 namespace flexarm::solvers {
@@ -38,7 +38,7 @@ void DissectedInverse::invert_cut(const Eigen::SparseMatrix<double>& A, int part
   const MatrixXd full = MatrixXd(A)(order_, order_);
   MatrixXd schur = full.bottomRightCorner(n_s, n_s);
   for (Part& part : parts_) eliminate(part, full, schur);
-  separator_ = PackedMatrix(n_s > 0 ? MatrixXd(schur.partialPivLu().inverse()) : MatrixXd(0, 0));
+  separator_ = PackedMatrix(n_s > 0 ? dense::inverse(schur) : MatrixXd(0, 0));
   x_s_.resize(separator_.filled_rows());
   if (!leaves_.empty()) {
     for (int& k : order_) k = rest_[static_cast<std::size_t>(k)];
@@ -148,7 +148,7 @@ void DissectedInverse::eliminate(Part& part, const MatrixXd& A, MatrixXd& schur)
   const auto n_boundary = static_cast<Eigen::Index>(part.boundary.size());
   const MatrixXd A_ps = A.block(part.first, A.cols() - n_s, m, n_s)(Eigen::all, part.boundary);
   const MatrixXd A_sp = A.block(A.rows() - n_s, part.first, n_s, m)(part.boundary, Eigen::all);
-  const MatrixXd inverse = A.block(part.first, part.first, m, m).partialPivLu().inverse();
+  const MatrixXd inverse = dense::inverse(A.block(part.first, part.first, m, m));
   const MatrixXd from_boundary = inverse * A_ps;
   schur(part.boundary, part.boundary) -= A_sp * from_boundary;  // eq. (1)
   MatrixXd both(m + n_boundary, m);

@@ -87,7 +87,7 @@ def _beside_the_beam(arm: Arm) -> Iterable[Problem]:
         beam = beams.get(joint.parent)
         if beam is None or "at" in joint.model_fields_set:
             continue
-        along = dot(joint.origin.xyz, beam.end) / beam.length**2
+        along = dot(joint.origin.xyz, beam.end) / beam.length / beam.length
         if along >= 1 - ENDS:
             rest = [float(f"{part:.9g}") for part in left_from_end(joint.origin.xyz, beam.end)]
             yield Problem(

@@ -58,7 +58,7 @@ class LinkLength(Effect):
 
     def _followed(self, beam: Beam, position: Vector) -> Vector:
         """Return a place at the same fraction of the stretched beam."""
-        fraction = min(max(dot(position, beam.end) / beam.length**2, 0.0), 1.0)
+        fraction = min(max(dot(position, beam.end) / beam.length / beam.length, 0.0), 1.0)
         return added(position, scaled(fraction * self.error / beam.length, beam.end))
 
     def priors(self, arm: Arm) -> dict[str, Prior]:

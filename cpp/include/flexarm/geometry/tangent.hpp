@@ -117,15 +117,18 @@ class InverseTangentIn {
   Real A_, B_ = 0;
 };
 
-/// T_r(h) of (1), as the inverse of (3), (4).
+/// T_r(h) of (1), as the inverse of (3), (4); in space by its blocks [A B; 0 A].
 template <int D, class Real = double>
 TwistMatrix<D, Real> right_tangent(const As<Twist<D, Real>>& h) {
+  TwistMatrix<D, Real> inverse;
   if constexpr (std::is_same_v<Real, double>) {
-    return right_tangent_inverse<D>(h).inverse();
-  } else if constexpr (D == 2) {
-    return InverseTangentIn<D, Real>(h).right().inverse();
-  } else {  // by blocks [A B; 0 A]: numbers side by side have no pivot in common
-    const TwistMatrix<D, Real> inverse = InverseTangentIn<D, Real>(h).right();
+    inverse = right_tangent_inverse<D>(h);
+  } else {
+    inverse = InverseTangentIn<D, Real>(h).right();
+  }
+  if constexpr (D == 2) {
+    return inverse.inverse();
+  } else {
     const Rotation<3, Real> A = inverse.template topLeftCorner<3, 3>().inverse();
     TwistMatrix<D, Real> T = TwistMatrix<D, Real>::Zero();
     T.template topLeftCorner<3, 3>() = T.template bottomRightCorner<3, 3>() = A;
