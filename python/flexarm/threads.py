@@ -13,10 +13,18 @@ from importlib import _bootstrap
 from typing import TypeVar
 
 
-def thread_pool(threads: int) -> ThreadPoolExecutor:
-    """Return a pool of so many threads, which import what they need while they work."""
+@contextmanager
+def thread_pool(threads: int) -> Iterator[ThreadPoolExecutor]:
+    """Yield a pool of so many threads, which import what they need.
+
+    What has not begun at the end, as after an interrupt, is dropped.
+    """
     _let_forks_wait()
-    return ThreadPoolExecutor(threads)
+    pool = ThreadPoolExecutor(threads)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 @cache

@@ -8,17 +8,17 @@ namespace {
 using Eigen::Vector3d;
 
 /// ξ_a of the nodes; a zero marks the middle of an edge along that axis.
-constexpr double nodes[20][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
-                                 {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1},   // corners
-                                 {0, -1, -1},  {1, 0, -1},  {0, 1, -1}, {-1, 0, -1},  // bottom
-                                 {0, -1, 1},   {1, 0, 1},   {0, 1, 1},  {-1, 0, 1},   // top
-                                 {-1, -1, 0},  {1, -1, 0},  {1, 1, 0},  {-1, 1, 0}};  // between
+constexpr double node_coordinates[20][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
+                                            {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1},   // corners
+                                            {0, -1, -1},  {1, 0, -1},  {0, 1, -1}, {-1, 0, -1},  // bottom
+                                            {0, -1, 1},   {1, 0, 1},   {0, 1, 1},  {-1, 0, 1},   // top
+                                            {-1, -1, 0},  {1, -1, 0},  {1, 1, 0},  {-1, 1, 0}};  // between
 
-Vector3d place(int a) { return {nodes[a][0], nodes[a][1], nodes[a][2]}; }
+Vector3d place(int a) { return {node_coordinates[a][0], node_coordinates[a][1], node_coordinates[a][2]}; }
 
 int middle_axis(int a) {
   for (int axis = 0; axis < 3; ++axis)
-    if (nodes[a][axis] == 0) return axis;
+    if (node_coordinates[a][axis] == 0) return axis;
   return -1;
 }
 

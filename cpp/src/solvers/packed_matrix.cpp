@@ -35,9 +35,9 @@ template <int Blocks>
 
 FLEXARM_FOR_EVERY_PROCESSOR
 void multiply_packed(const double* columns, Index n_rows, Index n_columns, const double* x, double* y) {
-  constexpr Index together = 6 * PackedMatrix::lanes;  // sums that fit into registers
+  constexpr Index at_once = 6 * PackedMatrix::lanes;  // sums that fit into registers
   Index row = 0;
-  for (; row + together <= n_rows; row += together) {
+  for (; row + at_once <= n_rows; row += at_once) {
     multiply_rows<6>(columns + row, n_rows, n_columns, x, y + row);
   }
   switch ((n_rows - row) / PackedMatrix::lanes) {

@@ -23,6 +23,7 @@ from flexarm.record import Record
 from flexarm.reproduction.offset import Plane, StaticOffset
 from flexarm.reproduction.variants import CONTRIBUTORS, HINGE, RUNS, Models
 from flexarm.simulation import Simulation, simulate
+from flexarm.threads import thread_pool
 
 Report = Callable[[float, str], None]
 
@@ -135,18 +136,25 @@ def study(
         ),
     )
     drive = timed("smoothing", 0.5, "encoder", lambda: Drive.from_record(record, models.fe))
-    runs = {}
-    for i, (name, arm) in enumerate(models.runs().items()):
+    arms = models.runs()
+
+    def run(name: str) -> Simulation:
         moved = asked.pure_sine() if name == "sine" else drive
-        start = 0.52 + 0.08 * i
-        runs[name] = timed(name, start, RUNS[name], partial(simulate, arm, moved, end=asked.end + LATE))
+        start = 0.55 + 0.1 * list(arms).index(name)
+        end = asked.end + LATE
+        found: Simulation = timed(name, start, RUNS[name], partial(simulate, arms[name], moved, end=end))
+        return found
+
     time = np.arange(round((asked.end + LATE) / MODAL_STEP) + 1, dtype=float) * MODAL_STEP
-    modal = timed(
-        "equations",
-        0.84,
-        "equations (1) and (2)",
-        lambda: equations(models.lumped, drive.joints["hinge"], time),
-    )
+    with thread_pool(1) as beside:  # the core works while Python integrates the equations
+        simulated = beside.map(run, arms)
+        modal = timed(
+            "equations",
+            0.52,
+            "equations (1) and (2)",
+            lambda: equations(models.lumped, drive.joints["hinge"], time),
+        )
+        runs = dict(zip(arms, simulated, strict=True))
     static = timed("statics", 0.95, "statics", lambda: offsets(models, asked))
     found = {
         key: modes(runs[key].arm, joints={"hinge": asked.vertical}, count=2) for key in ("fe", "printed")

@@ -20,6 +20,7 @@ from flexarm.mockup import (
     model,
     solid_arm,
 )
+from flexarm.threads import at_once
 
 RIGID = 1e-4
 """Factor on the compliance of a part that is made rigid: a ten-thousandth of its deflection is left."""
@@ -49,8 +50,9 @@ class Models:
     @classmethod
     def build(cls, folder: Path, tell: Callable[[str], None]) -> Models:
         """Mesh and reduce both hinges into `folder`."""
-        hinge = build_hinge(folder / "hinge", HingeDesign.from_toml(), progress=tell)
-        bench = build_hinge(folder / "bench", bench_design(), progress=lambda name: tell(f"{name}, bench"))
+        tell("solid parts of two hinges")
+        designs = {"hinge": HingeDesign.from_toml(), "bench": bench_design()}
+        hinge, bench = at_once(lambda name: build_hinge(folder / name, designs[name]), designs, 2)
         return cls(hinge, bench, folder)
 
     @cached_property
