@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
+from io import BufferedReader, FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -125,6 +126,19 @@ class Includes:
             raise InvalidFile(file, where, what)
         yield path
         self.open.pop()
+
+
+class BoundedFile(BufferedReader):
+    """A file of which no more is read than it holds: Python takes up first what a damaged length asks for."""
+
+    def __init__(self, path: str | Path) -> None:
+        super().__init__(FileIO(path))
+        self._size = os.fstat(self.fileno()).st_size
+
+    def read(self, size: int | None = -1) -> bytes:
+        """Return so many bytes, or all that are left."""
+        left = max(0, self._size - self.tell())
+        return super().read(left if size is None or size < 0 else min(size, left))
 
 
 def room(path: str | Path, where: str, declared: int, size: int | None = None) -> None:

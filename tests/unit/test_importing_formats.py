@@ -1,6 +1,7 @@
 """Claims about logs of every format: written by the formats' own libraries, read back by a map."""
 
 import sys
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -27,15 +28,28 @@ def test_a_log_of_every_format_comes_in(name, tmp_path):
     np.testing.assert_allclose(seen.time, TIME + late, rtol=0, atol=1e-9)
 
 
-def test_lengths_in_a_damaged_log_ask_for_no_memory(tmp_path):
-    write, joint, tip = FORMATS["log.mcap"]
-    write(tmp_path / "log.mcap")
-    (tmp_path / "run.toml").write_text(map_of("log.mcap", joint, tip))
-    content = (tmp_path / "log.mcap").read_bytes()
-    (tmp_path / "log.mcap").write_bytes(content[:9] + (1 << 50).to_bytes(8, "little") + content[17:])
+@pytest.mark.parametrize(
+    ("name", "before", "length"),
+    [
+        ("log.mcap", b"\x89MCAP0\r\n\x01", (1 << 50).to_bytes(8, "little")),
+        ("log3.nc", b"\0\0\0\x01t\0\0\0", (1 << 28).to_bytes(4, "big")),  # the size of dimension t
+        ("log.tdms", b"wf_increment", (1 << 30).to_bytes(4, "little")),
+    ],
+)
+def test_lengths_in_a_damaged_log_ask_for_no_memory(name, before, length, tmp_path):
+    write, joint, tip = FORMATS[name]
+    write(tmp_path / name)
+    (tmp_path / "run.toml").write_text(map_of(name, joint, tip))
+    content = (tmp_path / name).read_bytes()
+    at = content.index(before) + (-4 if name == "log.tdms" else len(before))  # TDMS: before its text
+    (tmp_path / name).write_bytes(content[:at] + length + content[at + len(length) :])
+    tracemalloc.start()
     with pytest.raises(InvalidFile) as caught:
         flexarm.import_record(tmp_path / "run.toml")
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
     assert "Memory" not in str(caught.value)
+    assert most < 1e8
 
 
 @pytest.mark.parametrize("name", FORMATS)

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexarm.importing.source import Array, Group
 from flexarm.importing.tree import Tree
-from flexarm.reading import has_endless_heap, room
+from flexarm.reading import BoundedFile, has_endless_heap, room
 
 TIME_WORDS = {
     "s": ("s", "sec", "second", "seconds"),
@@ -107,7 +107,7 @@ class NetcdfFile(Hdf5File):
         """Return name -> shape of all variables of numbers."""
         from scipy.io import netcdf_file
 
-        with netcdf_file(self.path, mmap=False) as file:
+        with BoundedFile(self.path) as raw, netcdf_file(raw, mmap=False) as file:
             variables = {n: v for n, v in file.variables.items() if v.data.dtype.kind in "fiu"}
             attributes = {n: dict(getattr(v, "_attributes", {})) for n, v in variables.items()}
             self.units = {n: _text(attributes[n].get("units", "")) for n in variables}

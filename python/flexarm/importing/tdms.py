@@ -10,6 +10,7 @@ import numpy as np
 
 from flexarm.arm.consistency import missing
 from flexarm.importing.source import LOG, Array, Group, Source, Unreadable, needed
+from flexarm.reading import BoundedFile
 
 
 class TdmsLog(Source):
@@ -17,7 +18,7 @@ class TdmsLog(Source):
 
     @contextmanager
     def _group(self, topic: str | None) -> Iterator[Any]:
-        with needed("nptdms", self.path).TdmsFile.open(self.path) as file:
+        with BoundedFile(self.path) as raw, needed("nptdms", self.path).TdmsFile.open(raw) as file:
             names = [group.name for group in file.groups()]
             topic = names[0] if topic is None and len(names) == 1 else topic
             if topic not in names:
@@ -54,7 +55,7 @@ class TdmsLog(Source):
     def groups(self) -> list[Group]:
         """Return the groups."""
         found = []
-        with needed("nptdms", self.path).TdmsFile.open(self.path) as file:
+        with BoundedFile(self.path) as raw, needed("nptdms", self.path).TdmsFile.open(raw) as file:
             for group in file.groups():
                 channels = group.channels()
                 waveform = any(channel.properties.get("wf_increment") for channel in channels)

@@ -25,7 +25,7 @@ from flexarm.json_values import plain
 from flexarm.netcdf import Contents
 from flexarm.netcdf import save as write
 from flexarm.output import refuse_existing
-from flexarm.reading import check_hdf5, reading, regular_file
+from flexarm.reading import BoundedFile, check_hdf5, reading, regular_file
 from flexarm.superelement.shape import VARIABLES
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def _hdf5(path: Path) -> Variables:
 def _classic(path: Path) -> Variables:
     from scipy.io import netcdf_file
 
-    with netcdf_file(path, "r", mmap=False) as file:
+    with BoundedFile(path) as raw, netcdf_file(raw, "r", mmap=False) as file:
         for name, item in file.variables.items():
             _refuse_packed(path, name, item._attributes)
         arrays = {name: np.array(item.data) for name, item in file.variables.items()}
