@@ -60,7 +60,10 @@ def whole(name: str) -> None:
 
 
 def killed(name: str, seconds: float) -> dict[str, object]:
-    """SIGKILL: the output is whole or not there, and the next run clears what was left."""
+    """SIGKILL: the output is whole or not there, and the next run clears what was left.
+
+    What a campaign has done stays, and `--resume` goes on.
+    """
     before, words = entries(), COMMANDS[name][1]
     process = started(words)
     after(process, seconds)
@@ -68,11 +71,17 @@ def killed(name: str, seconds: float) -> dict[str, object]:
     ended(process)
     place = words[words.index("--out") + 1]
     left = len(entries() - before)
-    if Path(place).exists():
+    further = ("--resume", "--force") if name == "campaign" and Path(place).exists() else ("--force",)
+    if Path(place).exists() and "--resume" not in further:
         whole(name)
-    again = ended(started((*words, "--force")))
-    must(again.code == 0, "wrong result", f"the next run ends with {again.code}: {again.err[-200:]}")
-    whole(name)
+    for option in further:
+        again = ended(started((*words, option)))
+        must(
+            again.code == 0,
+            "wrong result",
+            f"the run with {option} ends with {again.code}: {again.err[-200:]}",
+        )
+        whole(name)
     rest = {entry for entry in entries() - before if not entry.startswith(place)}
     must(not rest, "left files", f"the next run leaves {', '.join(sorted(rest))[:200]}")
     return {"left": left}
