@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 python="$1" venv="$2" layer="$3"
 
-# Python compiles what it imports when it does so first: a tenth of what is installed.
+# Python compiles a module when it imports it first; pip would compile all of them, beside the compiler.
 install() { "$venv/bin/python" -m pip install --quiet --no-compile "$@"; }
 
 echo "Installing Python packages into $venv: $layer"
