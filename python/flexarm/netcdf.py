@@ -123,7 +123,9 @@ def _write(contents: Contents, image: BytesIO) -> None:
             stored = _stored(file, name, variable)
             for axis, (dimension, size) in enumerate(zip(variable[0], stored.shape, strict=True)):
                 if dimension not in scales:
-                    scales[dimension] = _bare_dimension(file, dimension, size)
+                    scales[dimension] = file.create_dataset(dimension, shape=(size,), dtype=">f4")
+                    mark = f"This is a netCDF dimension but not a netCDF variable.{size:10d}"
+                    scales[dimension].make_scale(mark)
                 if size != len(scales[dimension]):
                     raise ValueError(f"{name} has {size} along {dimension}, of {len(scales[dimension])}")
                 stored.dims[axis].attach_scale(scales[dimension])
@@ -140,10 +142,3 @@ def _stored(file: Any, name: str, variable: Variable) -> Any:
     stored = file.create_dataset(name, data=array.astype(object) if texts else array, dtype=kind)
     stored.attrs.update(attributes)
     return stored
-
-
-def _bare_dimension(file: Any, name: str, size: int) -> Any:
-    """Return a dimension without coordinates, marked as the NetCDF library does."""
-    scale = file.create_dataset(name, shape=(size,), dtype=">f4")
-    scale.make_scale(f"This is a netCDF dimension but not a netCDF variable.{size:10d}")
-    return scale

@@ -63,7 +63,9 @@ def simulate(
     NotConverged
         If there is no equilibrium to start from or the integration stops.
     """
-    instants = _rising(time)
+    instants = np.asarray(time, dtype=float)
+    if instants.ndim != 1 or len(instants) < 2 or not np.all(np.diff(instants) > 0):
+        raise InvalidParameter("times must be at least two rising numbers [s]")
     system = JointedArm.of(arm, drive)
     if initial_state is None:
         initial_state = _start(arm, drive, instants[0], initial_angle, initial_rate)
@@ -116,10 +118,3 @@ def _start(arm: Equation, drive: Drive, t: float, angle: float, rate: float) -> 
         turning = phi_rate if drive.rigid else 0.0  # a hub that follows φ has φ's rate
         return equilibrium(arm, phi, drive.stiffness), rigid_rotation(arm) * turning
     return equilibrium(arm, angle, math.inf), rigid_rotation(arm) * rate
-
-
-def _rising(time: ArrayLike) -> Array:
-    instants = np.asarray(time, dtype=float)
-    if instants.ndim != 1 or len(instants) < 2 or not np.all(np.diff(instants) > 0):
-        raise InvalidParameter("times must be at least two rising numbers [s]")
-    return instants

@@ -146,7 +146,8 @@ class _Samples:
         from scipy.linalg import eigh
 
         stiffness = self.link.bending_stiffness * (self.curvature * self.weight) @ self.curvature.T
-        squares, vectors = eigh(stiffness[1:, 1:], self._mass_beside_rotation())
+        mass = self.mass()
+        squares, vectors = eigh(stiffness[1:, 1:], mass[1:, 1:] - np.outer(mass[1:, 0], mass[0, 1:]))
         vectors = vectors * np.sign(self.tip_shape[1:] @ vectors)
         turn = np.eye(len(self.omega))
         turn[0, 1:] = -self.mass()[0, 1:] @ vectors
@@ -155,11 +156,6 @@ class _Samples:
         ends = [turn.T @ old for old in (self.hub_slope, self.tip_shape, self.tip_slope)]
         omega = np.append(0.0, np.sqrt(squares))
         return _Samples(self.link, omega, self.x, self.weight, *rows, *ends)
-
-    def _mass_beside_rotation(self) -> Array:
-        """Return mass matrix of the bending shapes without their share of the unit-mass rigid rotation."""
-        mass = self.mass()
-        return mass[1:, 1:] - np.outer(mass[1:, 0], mass[0, 1:])
 
 
 def _hub_moment_shape(link: FlexibleLink, x: Array) -> tuple[Array, Array, Array, tuple[float, float, float]]:

@@ -50,7 +50,17 @@ def reach(arm: Arm) -> float:
 def size_problems(arm: Arm) -> Iterable[Problem]:
     """Yield sizes beyond those of machines, sigmas beyond the sizes, and implausible sensors."""
     yield from implausible_sizes(arm)
-    yield from _uncertainty(arm)
+    for key, sigma in arm.uncertainty.items():
+        unit = owner_of(arm, key).unit
+        if not unit and sigma > 1:
+            yield Problem(
+                f"uncertainty.{key}",
+                f"is {100 * sigma:g} % of the value (1 sigma), so that even values below zero are likely; "
+                "the number is relative, 2 % is 0.02",
+            )
+        elif unit == "m" and sigma > reach(arm):
+            what = f"is {sigma:g} m (1 sigma), further than the arm reaches, {reach(arm):g} m"
+            yield Problem(f"uncertainty.{key}", f"{what}; it is in m, not in mm")
     for sensor in arm.sensors:
         yield from sensor_problems(sensor, reach(arm))
 
@@ -62,7 +72,10 @@ def implausible_sizes(arm: Arm) -> Iterable[Problem]:
         if isinstance(link, Beam):
             yield from _beam(link, hypot(*arm.gravity))
     yield from _payloads(arm)
-    yield from _turns(arm)
+    for joint in arm.joints:
+        if max(map(abs, joint.origin.rpy)) > 2 * pi:
+            what = f"is {list(joint.origin.rpy)} rad; write degrees as radians"
+            yield Problem(f"joints.{joint.name}.origin.rpy", what)
 
 
 def _lengths(arm: Arm) -> Iterable[Problem]:
@@ -122,28 +135,6 @@ def _mass(link: Beam | RigidLink) -> float:
     if isinstance(link, Beam):
         return link.material.density * link.section.area * link.length
     return link.mass
-
-
-def _turns(arm: Arm) -> Iterable[Problem]:
-    """Yield frames of joints turned by more than a turn."""
-    for joint in arm.joints:
-        if max(map(abs, joint.origin.rpy)) > 2 * pi:
-            what = f"is {list(joint.origin.rpy)} rad; write degrees as radians"
-            yield Problem(f"joints.{joint.name}.origin.rpy", what)
-
-
-def _uncertainty(arm: Arm) -> Iterable[Problem]:
-    for key, sigma in arm.uncertainty.items():
-        unit = owner_of(arm, key).unit
-        if not unit and sigma > 1:
-            yield Problem(
-                f"uncertainty.{key}",
-                f"is {100 * sigma:g} % of the value (1 sigma), so that even values below zero are likely; "
-                "the number is relative, 2 % is 0.02",
-            )
-        elif unit == "m" and sigma > reach(arm):
-            what = f"is {sigma:g} m (1 sigma), further than the arm reaches, {reach(arm):g} m"
-            yield Problem(f"uncertainty.{key}", f"{what}; it is in m, not in mm")
 
 
 LATEST = 10.0

@@ -202,8 +202,10 @@ def _begun(plan: Plan, store: Store, resume: bool, force: bool, say: Callable[[s
     elif resume and (store.parts.exists() or store.results.exists()):
         raise InvalidFile(file, "file", "there is no such file, but results are; --force begins anew")
     else:
-        if force:
-            _remove_former(store)
+        if force:  # what a former campaign left
+            store.clear()
+            for name in (RESULTS, STUDY, SUMMARY):
+                (store.directory / name).unlink(missing_ok=True)
         session = _Session(
             {
                 "format": FORMAT,
@@ -221,12 +223,6 @@ def _begun(plan: Plan, store: Store, resume: bool, force: bool, say: Callable[[s
         )
     session.write(store)
     return session
-
-
-def _remove_former(store: Store) -> None:
-    store.clear()
-    for name in (RESULTS, STUDY, SUMMARY):
-        (store.directory / name).unlink(missing_ok=True)
 
 
 def _compute(

@@ -21,7 +21,7 @@ from flexarm.campaigns.outcome import Prepared
 from flexarm.campaigns.sampling import samples
 from flexarm.campaigns.simulate_run import simulate_run
 from flexarm.campaigns.still_run import modes_run, static_run
-from flexarm.campaigns.study import Found, Study, read_study
+from flexarm.campaigns.study import Study, read_study
 from flexarm.campaigns.variation import Variation, variation_of
 from flexarm.errors import InvalidFile, Problem
 from flexarm.input_files import hashes
@@ -98,7 +98,11 @@ class Plan:
                 files += (
                     sorted(each for each in path.rglob("*") if each.is_file()) if path.is_dir() else [path]
                 )
-        return {_name(path, folder): path for path in dict.fromkeys(files) if path.is_file()}
+        return {
+            path.relative_to(folder).as_posix() if path.is_relative_to(folder) else str(path): path
+            for path in dict.fromkeys(files)
+            if path.is_file()
+        }
 
     def fingerprint(self) -> dict[str, Any]:
         """Return what makes this campaign the same one: the study's tables and the hashes of its inputs."""
@@ -124,13 +128,6 @@ def cut(count: int, size: int, workers: int) -> Iterator[tuple[int, int]]:
         first = last
 
 
-def _name(path: Path, folder: Path) -> str:
-    try:
-        return path.relative_to(folder).as_posix()
-    except ValueError:
-        return str(path)
-
-
 def planned(file: Path) -> Plan:
     """Return the plan of a study.
 
@@ -147,7 +144,12 @@ def planned(file: Path) -> Plan:
     if not wrong:
         runner, wrong = _runner(study, arm, cases)
         found += wrong
-    found += _names_taken(study, variation, cases)
+    taken = {*RESERVED, *variation.keys, *label_names(cases)}
+    found += [
+        (("keep", i, "name"), f"{keep.variable!r} is taken; give it another name")
+        for i, keep in enumerate(study.keep)
+        if keep.variable in taken
+    ]
     refuse(found, data, file, text)
     values = samples(study.sampling, variation.distributions, variation.levels)
     return Plan(file, study, arm, Job(variation, runner), cases, values, tuple(_remarks(study)))
@@ -159,16 +161,6 @@ def _runner(study: Study, arm: Arm, cases: tuple[Case, ...]) -> Prepared:
     if study.run == "diagnose":
         return diagnose_run(study, cases)
     return static_run(study, arm) if study.run == "static" else modes_run(study, arm)
-
-
-def _names_taken(study: Study, variation: Variation, cases: Sequence[Case]) -> Found:
-    """Return names of variables that are taken by others."""
-    taken = {*RESERVED, *variation.keys, *label_names(cases)}
-    return [
-        (("keep", i, "name"), f"{keep.variable!r} is taken; give it another name")
-        for i, keep in enumerate(study.keep)
-        if keep.variable in taken
-    ]
 
 
 def _remarks(study: Study) -> Iterator[Problem]:

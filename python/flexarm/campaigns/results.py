@@ -107,7 +107,9 @@ class _File:
 
     def put(self, part: Part) -> None:
         """Write the rows of a batch."""
-        rows = _as_slice(part.samples)
+        rows, first, last = part.samples, int(part.samples[0]), int(part.samples[-1])
+        if last - first + 1 == len(rows):
+            rows = slice(first, last + 1)  # which HDF5 writes faster
         reasons = np.array(part.reasons, dtype=object)
         self._file["seconds"][rows] = part.seconds
         self._file["reason"][rows] = reasons
@@ -117,12 +119,6 @@ class _File:
         for row, found in zip(part.samples, part.others, strict=True):
             for name, value in found.items():
                 self._file[name][row] = value if isinstance(value, str) else value[0]
-
-
-def _as_slice(samples: Any) -> Any:
-    """Return numbers that follow one another as a slice, which HDF5 writes faster."""
-    whole = samples[-1] - samples[0] + 1 == len(samples)
-    return slice(int(samples[0]), int(samples[-1]) + 1) if whole else samples
 
 
 def _text() -> Any:

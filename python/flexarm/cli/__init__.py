@@ -16,7 +16,11 @@ __all__ = ["main"]
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Entry point of the command line."""
-    _fill_closed_streams()
+    while (
+        number := os.open(os.devnull, os.O_RDWR)
+    ) < 3:  # closed standard streams: files would take their numbers
+        pass
+    os.close(number)
     exit_on_signals()  # before all imports that take time
     import gc
     import logging
@@ -33,10 +37,3 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     stay()
     gc.freeze()  # the process ends: nothing is to be found that it would not free anyway
     sys.exit(code)
-
-
-def _fill_closed_streams() -> None:
-    """Open closed standard streams on the null device: what is opened next would take their numbers."""
-    while (number := os.open(os.devnull, os.O_RDWR)) < 3:
-        pass
-    os.close(number)

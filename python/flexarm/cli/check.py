@@ -56,7 +56,12 @@ def check(
     faults: Faults = []
     try:
         if records:
-            told, lines, faults = _beside(path, records, max_seconds, json)
+            if _reader(path) is not _model:
+                what = "is no model; records are checked beside one: check MODEL RECORD..."
+                raise InvalidFile(path, "PATH", what)
+            from flexarm.cli.check_records import check_records
+
+            told, lines, faults = check_records(path, records, max_seconds, json)
             warnings: list[Problem] = []
         else:
             told, lines, warnings, wrong = _reader(path)(path)
@@ -72,20 +77,6 @@ def check(
         print("\n".join(lines))
     warn(path, warnings)
     refuse(faults)
-
-
-def _beside(
-    path: Path, records: list[Path], max_seconds: float | None, json: bool
-) -> tuple[dict[str, Any], list[str], Faults]:
-    """Return records beside a model, and the sensors at fault.
-
-    Raise InvalidFile if PATH is no model's file.
-    """
-    if _reader(path) is not _model:
-        raise InvalidFile(path, "PATH", "is no model; records are checked beside one: check MODEL RECORD...")
-    from flexarm.cli.check_records import check_records
-
-    return check_records(path, records, max_seconds, json)
 
 
 def _reader(path: Path) -> Callable[[Path], Told]:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from flexarm.cli.options import JointValues, Json, Model, blame, joint_values, load_arm, print_json
-
-if TYPE_CHECKING:
-    from flexarm.modal import Modes
 
 
 def modes(
@@ -38,14 +35,9 @@ def modes(
     if json:
         print_json(result.to_json_dict())
     else:
-        print(_table(result))
+        from flexarm.viewer.stages import moving_parts
 
-
-def _table(found: Modes) -> str:
-    """Return the table of modes, with what moves most in each."""
-    from flexarm.viewer.stages import moving_parts
-
-    lines = found.summary().splitlines()
-    told = ["moves most", *moving_parts(found)] if len(found.frequency_hz) else []
-    lines[1:] = [f"{line}   {part}" for line, part in zip(lines[1:], told, strict=True)]
-    return "\n".join(lines)
+        lines = result.summary().splitlines()
+        told = ["moves most", *moving_parts(result)] if len(result.frequency_hz) else []
+        lines[1:] = [f"{line}   {part}" for line, part in zip(lines[1:], told, strict=True)]
+        print("\n".join(lines))

@@ -64,7 +64,7 @@ def _report(error: Exception) -> int:
     elif isinstance(error, NotConverged):
         lines, code = [_told(error)], NUMBERS_AT_FAULT
     elif hasattr(error, "format_message"):  # an option that does not exist, an argument that is missing
-        lines, code = [f"command line: {_one_line(error.format_message())}"], INPUT_AT_FAULT
+        lines, code = [f"command line: {' '.join(error.format_message().split())}"], INPUT_AT_FAULT
     elif isinstance(error, MemoryError):
         lines, code = (
             ["memory: not enough of it; take fewer elements, a longer --step or a shorter run"],
@@ -95,7 +95,3 @@ def _told(error: NotConverged) -> str:
         if value is not None
     ]
     return f"{error}" + (f" ({', '.join(facts)})" if facts else "")
-
-
-def _one_line(message: str) -> str:
-    return " ".join(message.split())

@@ -92,7 +92,7 @@ def simulate(
 
     rests = joint_values(arm, model, joint)
     rates = numbers_by_joint(arm, model, rate, "--rate", "NAME=RATE")
-    record = _record(drive, arm)
+    record = load_record(drive, arm) if drive.is_dir() or drive.name == "record.toml" else None
     if record is not None and (rests or rates or moving):
         what = (
             "says itself where joints stand and how it begins; a CSV file takes --joint, --rate and --moving"
@@ -112,13 +112,6 @@ def simulate(
         run.save(directory / "simulation.nc")
         write(seen, directory)
     print(f"written to {out}: simulation.nc and a record")
-
-
-def _record(drive: Path, arm: Arm) -> Record | None:
-    """Return the record that drives, or None for a CSV file."""
-    if not drive.is_dir() and drive.name != "record.toml":
-        return None
-    return load_record(drive, arm)
 
 
 def _motion(drive: Path, arm: Arm, record: Record | None, idle: bool) -> Motion:

@@ -64,7 +64,9 @@ def simulate_free_vibration(arm: Arm, record: Record, step: float) -> StateSnaps
         what = "shows no free vibration: needed is a signal of a known clock and frame at a place that swings"
         raise InvalidParameter(what, where="signals")
     hats = _Hats.over(drive.start, drive.end, _dominant_frequency(seen))
-    free = _states_within_reach(motion, max(each.nyquist for each in seen))
+    n, nyquist = len(motion.A) // 2, max(each.nyquist for each in seen)
+    count = max(int(np.sum(_frequencies(motion) / (2 * np.pi) < nyquist)), 1)
+    free = np.concatenate([np.arange(count), n + np.arange(count)])
     return motion.along(hats.states(motion, _amplitudes(motion, hats, free, seen), time), time)
 
 
@@ -189,13 +191,6 @@ def _motion(motion: FreeMotion) -> Floats:
     places = (motion.slopes[name][..., :n].reshape(-1, n) for name in ("position", "orientation"))
     by_mode = np.max([np.abs(each).max(axis=0, initial=1e-300) for each in places], axis=0)
     return np.concatenate([by_mode, by_mode / np.maximum(_frequencies(motion), 1e-3)])
-
-
-def _states_within_reach(motion: FreeMotion, nyquist: float) -> Indices:
-    """Return the states of modes below a frequency [Hz]; the lowest mode at least."""
-    n, frequency = len(motion.A) // 2, _frequencies(motion) / (2 * np.pi)
-    count = max(int(np.sum(frequency < nyquist)), 1)
-    return np.concatenate([np.arange(count), n + np.arange(count)])
 
 
 def _dominant_frequency(seen: list[_Channels]) -> float:

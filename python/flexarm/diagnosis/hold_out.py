@@ -217,22 +217,17 @@ def _held(record: Record, signal: Signal) -> NDArray[np.bool_]:
         poses = (each.pose.tolist() for each in _evidence(record) if each.pose is not None)
         number = {pose: k for k, pose in enumerate(dict.fromkeys(chain.from_iterable(poses)))}
         return np.array([number[pose] % EVERY == EVERY - 1 for pose in signal.pose.tolist()], dtype=bool)
-    first, last = _span(record, signal)
-    share = (record.instants(signal) - first) / max(last - first, 1e-12)  # eq. (1)
-    block = np.minimum((BLOCKS * share).astype(int), BLOCKS - 1)
-    found: NDArray[np.bool_] = block % EVERY == EVERY - 1
-    return found
-
-
-def _span(record: Record, signal: Signal) -> tuple[float, float]:
-    """Return first and last instant of all signals that share the time base of a signal [s]."""
     own = _time_of(record, signal)
     times = [
         record.instants(other)
         for other in record.signals.values()
         if other.pose is None and len(other.time) and _time_of(record, other) == own
     ]
-    return (min(t[0] for t in times), max(t[-1] for t in times)) if times else (0.0, 1.0)
+    first, last = (min(t[0] for t in times), max(t[-1] for t in times)) if times else (0.0, 1.0)
+    share = (record.instants(signal) - first) / max(last - first, 1e-12)  # eq. (1)
+    block = np.minimum((BLOCKS * share).astype(int), BLOCKS - 1)
+    found: NDArray[np.bool_] = block % EVERY == EVERY - 1
+    return found
 
 
 def _time_of(record: Record, signal: Signal) -> str:
@@ -272,20 +267,15 @@ def named_hold_out(arm: Arm, hold_out: Record | None, given: Mapping[str, Record
     [record] = named_records({"hold_out": hold_out}).values()
     record.check_against(arm)
     for name, training in given.items():
-        if _same_values(record, training):
+        if set(record.signals) == set(training.signals) and all(
+            np.array_equal(signal.values, training.signals[name].values, equal_nan=True)
+            for name, signal in record.signals.items()
+        ):
             raise InvalidParameter(
                 f"holds the same values as {name!r}, which is fitted: nothing would be held out",
                 where="hold_out",
             )
     return {_name(record, given): record}
-
-
-def _same_values(one: Record, other: Record) -> bool:
-    """Return True if two records show the same, under whatever names and places they are kept."""
-    return set(one.signals) == set(other.signals) and all(
-        np.array_equal(signal.values, other.signals[name].values, equal_nan=True)
-        for name, signal in one.signals.items()
-    )
 
 
 def split(arm: Arm, checked: ValidationResult, held_out: ValidationResult) -> Split:

@@ -67,7 +67,6 @@ from flexarm.missing_law.prediction import LawCheck
 from flexarm.missing_law.search import MissingLaws, law_remarks, missing_laws
 from flexarm.named_effects import NamedEffect
 from flexarm.threads import one_blas_thread
-from flexarm.validation.finding import ValidationResult
 from flexarm.validation.sensor_check import check, clean_records, named_records
 
 if TYPE_CHECKING:
@@ -171,7 +170,14 @@ def _diagnosis(
     said = (remark for remark in checked.remarks if remark not in current().remarks)  # told at the end
     remarks = (*doubts, *map(str, checked.outliers), *said)
     if checked.faults:
-        return _unusable(arm, checked, tuple(given), remarks, _provenance(seed, step, begun))
+        faults = tuple(
+            NamedEffect(f.name, f.at, f.probability, f.parameters, f.alternatives, f.evidence)
+            for f in checked.faults
+        )
+        whence = _provenance(seed, step, begun)
+        return Diagnosis(
+            "unusable", arm, arm, effects=faults, training=tuple(given), remarks=remarks, provenance=whence
+        )
     held, borrowed = impute_noise(checked.records, held)
     parted = split(arm, checked, clean_records(arm, held, step=step, alpha=alpha))
     tell(0.1, "simulating")
@@ -307,23 +313,6 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     model = repaired(problem.arm, choice.best, sizes) if keep else problem.arm
     verdict: Verdict = "unexplained" if unexplained else "effects" if effects else "adequate"
     return _Conclusion(verdict, effects, sizes, drifts, model, keep, open_gap, ends)
-
-
-def _unusable(
-    arm: Arm,
-    checked: ValidationResult,
-    training: tuple[str, ...],
-    remarks: tuple[str, ...],
-    provenance: dict[str, Any],
-) -> Diagnosis:
-    """Return the end of a diagnosis of records with faults."""
-    faults = tuple(
-        NamedEffect(f.name, f.at, f.probability, f.parameters, f.alternatives, f.evidence)
-        for f in checked.faults
-    )
-    return Diagnosis(
-        "unusable", arm, arm, effects=faults, training=training, remarks=remarks, provenance=provenance
-    )
 
 
 def _chosen(problem: Problem, tell: Callable[[float, str], object]) -> Choice:

@@ -73,7 +73,10 @@ def lagged(drive: JointDrive, delay: float, time_constant: float) -> JointDrive:
     last = np.zeros((len(drive.coefficients), 1))
     last[-1] = drive(drive.breaks[-1])
     p = np.hstack([drive.coefficients, last])  # it is held after its end
-    part = _settled(p, time_constant)
+    part, term = p, p
+    for _ in range(len(p) - 1):
+        term = -time_constant * _derivative(term)
+        part = part + term  # eq. (2)
     widths = np.append(np.diff(drive.breaks), np.inf)
     c = _transients(part, widths, float(p[-1, 0]), time_constant)
     floor = gone * max(float(np.ptp(p[-1])), abs(float(p[-1, 0])), 1e-300)
@@ -86,15 +89,6 @@ def _derivative(p: Floats) -> Floats:
     """Return the derivative of polynomials, highest power first, shape (order + 1, pieces), as many rows."""
     powers = np.arange(len(p) - 1, -1, -1)[:, None]
     return np.vstack([np.zeros_like(p[:1]), (powers * p)[:-1]])
-
-
-def _settled(p: Floats, time_constant: float) -> Floats:
-    """Return P of (2) of every piece."""
-    part, term = p, p
-    for _ in range(len(p) - 1):
-        term = -time_constant * _derivative(term)
-        part = part + term  # eq. (2)
-    return part
 
 
 def _transients(part: Floats, widths: Floats, first: float, time_constant: float) -> Floats:

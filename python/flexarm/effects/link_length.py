@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexarm.arm.effect import Effect
 from flexarm.arm.link import Beam
 from flexarm.arm.prior import Prior
-from flexarm.arm.rotation import Vector, added, dot, scaled
+from flexarm.arm.rotation import added, dot, scaled
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:
@@ -53,13 +53,9 @@ class LinkLength(Effect):
         carried += machine.ends.values()
         for place in carried:
             if place.link == self.at:
-                place.position = self._followed(beam, place.position)
+                fraction = min(max(dot(place.position, beam.end) / beam.length / beam.length, 0.0), 1.0)
+                place.position = added(place.position, scaled(fraction * self.error / beam.length, beam.end))
         member.table = beam.replace(end=scaled(1 + self.error / beam.length, beam.end))  # eq. (1)
-
-    def _followed(self, beam: Beam, position: Vector) -> Vector:
-        """Return a place at the same fraction of the stretched beam."""
-        fraction = min(max(dot(position, beam.end) / beam.length / beam.length, 0.0), 1.0)
-        return added(position, scaled(fraction * self.error / beam.length, beam.end))
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Of a welded link."""

@@ -7,7 +7,7 @@ with a finer mesh and shorter steps than the model will be.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,7 +21,6 @@ from flexarm.solids import Block, Patch, SolidMesh, revolved
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.record import Record
-    from flexarm.record.table import CarriedPayload
 
 GAP = 3e-4
 """The backlash that the machine has and the model lacks [rad]."""
@@ -37,27 +36,25 @@ STOPS = {
 
 def write(directory: Path) -> None:
     """Write model, records, motion, mesh and the files that describe them into an existing directory."""
-    arm = _model(directory)
+    from flexarm.arm import Arm
+
+    path = directory / "arm.toml"
+    write_file(path, _shipped("arm.toml"))
+    arm = Arm.from_toml(path)
     hidden = machine(arm)
     hidden.to_toml(directory / "machine.toml")
     for seed, (name, (seconds, stops)) in enumerate(STOPS.items(), 1):
         virtual_record(hidden, seconds, stops, seed, LIGHT if name == "fast" else None).save(directory / name)
-    write_file(directory / "swing.csv", _swing())
+    time, angle = joined((0.0, 1.2), 6.0)
+    rows = [f"{t:.1f},{q:.6f}" for t, q in zip(time[::25], angle[::25], strict=True)]
+    head = "# From upright to 1.2 rad: the motor's angle over the ratio [rad].\ntime_s,hinge\n"
+    write_file(directory / "swing.csv", head + "\n".join(rows) + "\n")
     write_file(directory / "bracket.inp", bracket())
     write_file(directory / "README.md", _shipped("about.md"))
 
 
 def _shipped(name: str) -> str:
     return (files("flexarm.example") / name).read_text(encoding="utf-8")
-
-
-def _model(directory: Path) -> Arm:
-    """Return the model as it is shipped, with comments."""
-    from flexarm.arm import Arm
-
-    path = directory / "arm.toml"
-    write_file(path, _shipped("arm.toml"))
-    return Arm.from_toml(path)
 
 
 def machine(arm: Arm) -> Arm:
@@ -86,11 +83,11 @@ def virtual_record(
     from flexarm.measurement.clocks import ClockError
     from flexarm.measurement.frames import Registration
     from flexarm.measurement.measure import measure
-    from flexarm.record import Clock, Frame, Record
+    from flexarm.record import CarriedPayload, Clock, Frame, Record
     from flexarm.simulation import simulate
 
     step = 5e-4  # of the machine's simulation [s]
-    payloads = _carried(mass)
+    payloads = {} if mass is None else {"load": CarriedPayload(mass=mass)}
     loaded = Record(signals={}, payloads=payloads).applied_to(machine)
     time, angle = joined(stops, seconds)
     run = simulate(loaded, Drive.from_samples(time, {"hinge": angle}), step=step)
@@ -106,20 +103,6 @@ def virtual_record(
         registrations={"tracker": Registration(translation=(6e-4, 0.0, -4e-4), rotation=(0.0, 3e-4, 0.0))},
     )
     return seen.replace(description="virtual: simulated by flexarm example, not measured")
-
-
-def _carried(mass: float | None) -> Mapping[str, CarriedPayload]:
-    from flexarm.record.table import CarriedPayload
-
-    return {} if mass is None else {"load": CarriedPayload(mass=mass)}
-
-
-def _swing() -> str:
-    """Return the planned motion: upright, to 1.2 rad, and to rest."""
-    time, angle = joined((0.0, 1.2), 6.0)
-    rows = [f"{t:.1f},{q:.6f}" for t, q in zip(time[::25], angle[::25], strict=True)]
-    head = "# From upright to 1.2 rad: the motor's angle over the ratio [rad].\ntime_s,hinge\n"
-    return head + "\n".join(rows) + "\n"
 
 
 def joined(stops: Sequence[float], seconds: float) -> tuple[Floats, Floats]:
@@ -164,12 +147,8 @@ def bracket() -> str:
         ],
         size=15 * size,
     )
-    return "\n".join(["*HEADING", "collar, mm", *_nodes(mesh), *_cells(mesh), *_sets(mesh), MATERIAL, ""])
-
-
-def _nodes(mesh: SolidMesh) -> list[str]:
     rows = [f"{i}, {x:.6g}, {y:.6g}, {z:.6g}" for i, (x, y, z) in enumerate(mesh.points / MILLIMETRE, 1)]
-    return ["*NODE", *rows]
+    return "\n".join(["*HEADING", "collar, mm", "*NODE", *rows, *_cells(mesh), *_sets(mesh), MATERIAL, ""])
 
 
 def _cells(mesh: SolidMesh) -> list[str]:

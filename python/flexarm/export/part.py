@@ -177,12 +177,9 @@ def _large(card: str, fields: list[float | int]) -> Iterator[str]:
     """Yield a card of wide fields, four a line."""
     for k in range(0, len(fields), 4):
         start = f"{card + '*':<8}" if k == 0 else f"{'*':<8}"
-        yield start + "".join(_field(field) for field in fields[k : k + 4])
-
-
-def _field(value: float | int) -> str:
-    """Return a field of 16 characters: a whole number, or nine digits and an exponent."""
-    return f"{value:16d}" if isinstance(value, int) else f"{value:16.9E}"
+        yield start + "".join(
+            f"{field:16d}" if isinstance(field, int) else f"{field:16.9E}" for field in fields[k : k + 4]
+        )
 
 
 def _dmig(name: str, matrix: Floats, form: ForeignForm) -> Iterator[str]:

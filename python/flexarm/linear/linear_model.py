@@ -206,7 +206,10 @@ class LinearModel(Result):
         axes = plt.subplots()[1] if ax is None else ax
         k = 0 if input is None else _position(self.input_names, input, "input")
         first = 0 if output is None else _position(self.output_names, output, "output")
-        unit, frequency = self.output_units[first], self._range_hz()
+        own = np.abs(self.poles) / (2 * np.pi)
+        own = np.unique(own[own > 1e-6])
+        low, high = (own[0], own[min(len(own), 10) - 1]) if len(own) else (0.1, 10.0)
+        unit, frequency = self.output_units[first], np.asarray(np.geomspace(low / 10, 2 * high, 2000))
         response = np.abs(self.frequency_response(frequency)[:, :, k])
         for i, name in enumerate(self.output_names):
             if name == output or (output is None and self.output_units[i] == unit):
@@ -217,13 +220,6 @@ class LinearModel(Result):
         )
         axes.legend()
         return axes
-
-    def _range_hz(self) -> Floats:
-        """Return frequencies from a tenth of the lowest to twice the tenth one, dense enough for peaks."""
-        own = np.abs(self.poles) / (2 * np.pi)
-        own = np.unique(own[own > 1e-6])
-        low, high = (own[0], own[min(len(own), 10) - 1]) if len(own) else (0.1, 10.0)
-        return np.asarray(np.geomspace(low / 10, 2 * high, 2000))
 
     def summary(self) -> str:
         """Return the result in lines that a person reads."""

@@ -93,7 +93,9 @@ def modal_form(system: Mechanics, count: int | None = None) -> ModalForm:
         damped, slack = massless @ damped, massless @ slack
     else:
         damped, slack = massless[:, :0], massless
-    follows, flexibility = _followers(system, slack)
+    # Massless coordinates are condensed: z_c = flexibility u - follows z of the others.
+    compliance = slack @ _solve(slack.T @ system.K @ slack, slack.T)
+    follows, flexibility = compliance @ system.K, compliance @ system.F[0]
     T_a, T_b = heavy - follows @ heavy, damped - follows @ damped
     if T_b.shape[1]:  # in the modes' shapes the damped massless coordinates stand where springs put them
         T_a = T_a - T_b @ _solve(T_b.T @ system.K @ T_b, T_b.T @ system.K @ T_a)
@@ -116,13 +118,6 @@ def _split(M: Floats, largest: float | None = None) -> tuple[Floats, Floats]:
     values, vectors = np.linalg.eigh(0.5 * (M + M.T))
     nothing = values <= _NOTHING * (values[-1] if largest is None else largest)
     return vectors[:, ~nothing], vectors[:, nothing]
-
-
-def _followers(system: Mechanics, slack: Floats) -> tuple[Floats, Floats]:
-    """Condense massless coordinates c: z_c = flexibility u - follows z of the others."""
-    K_cc = slack.T @ system.K @ slack
-    compliance = slack @ _solve(K_cc, slack.T)
-    return compliance @ system.K, compliance @ system.F[0]
 
 
 def _solve(K: Floats, right: Floats) -> Floats:

@@ -58,7 +58,14 @@ def ports(arm: Arm, asked: Asked | None, held: Iterable[str] = ()) -> tuple[list
     found: list[Port] = []
     told: set[str] = set()
     for name, kind in pairs:
-        _check(arm, moving, name, kind)
+        if kind not in KINDS:
+            raise InvalidParameter(f"must be one of {', '.join(KINDS)}, got {kind!r}", where=f"inputs.{name}")
+        places = [point.name for point in arm.points] if kind == "force" else list(moving)
+        if name not in places:
+            what = "point" if kind == "force" else "moving joint"
+            raise InvalidParameter(
+                f"there is no {what} {name!r}; there are {', '.join(places) or 'none'}", where="inputs"
+            )
         if kind == "force":
             new = [Port("force", name, axis) for axis in range(3)]
         else:
@@ -73,17 +80,6 @@ def ports(arm: Arm, asked: Asked | None, held: Iterable[str] = ()) -> tuple[list
     stand = {name for name, kind in pairs if kind not in ("free", "force")} | set(held)
     told |= set(following_joints(arm, (), stand))
     return found, {name for name in moving if name not in told | _behind_gears(arm, told)}
-
-
-def _check(arm: Arm, moving: Collection[str], name: str, kind: str) -> None:
-    if kind not in KINDS:
-        raise InvalidParameter(f"must be one of {', '.join(KINDS)}, got {kind!r}", where=f"inputs.{name}")
-    places = [point.name for point in arm.points] if kind == "force" else list(moving)
-    if name not in places:
-        what = "point" if kind == "force" else "moving joint"
-        raise InvalidParameter(
-            f"there is no {what} {name!r}; there are {', '.join(places) or 'none'}", where="inputs"
-        )
 
 
 def _behind_gears(arm: Arm, told: Collection[str]) -> set[str]:

@@ -24,7 +24,7 @@ Units: those of the samples, times in s. Source: docs/measurement.md; [deBoor200
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,9 +34,6 @@ from flexarm.errors import InvalidParameter
 from flexarm.measurement.knots_at_rest import place_knots_at_rest
 from flexarm.measurement.least_squares_spline import fit_spline
 from flexarm.measurement.penalised_spline import with_penalty
-
-if TYPE_CHECKING:
-    from scipy.interpolate import BSpline
 
 COARSEST = 8
 """Intervals of the coarsest spline, about."""
@@ -93,7 +90,11 @@ def smooth(
         return interpolate(t, y)
     breaks, at_rest, equal = layout
     breaks, equal, penalty = with_penalty(t, breaks, equal)
-    return _pieces(fit_spline(t, y, breaks, at_rest, equal, penalty)[0])
+    from scipy.interpolate import PPoly
+
+    whole = PPoly.from_spline(fit_spline(t, y, breaks, at_rest, equal, penalty)[0])
+    inside = np.flatnonzero(np.diff(whole.x) > 0)  # the repeated knots at both ends span nothing
+    return np.append(whole.x[inside], whole.x[-1]), np.ascontiguousarray(whole.c[:, inside])
 
 
 @lru_cache(maxsize=16)
@@ -110,7 +111,11 @@ def _layout(
         return None
     breaks = _breaks(np.maximum(steps, 1))  # no more coefficients than samples
     breaks, equal = place_knots_at_rest(t, y / noise_std, breaks)
-    return breaks, _starts_at_rest(t, y, breaks, equal, noise_std), equal
+    # Increase of chi-square, one degree of freedom, above which a drive does not start at rest: 5 sigma.
+    rest_limit = 25.0
+    at_rest, fitted = (fit_spline(t, y, breaks, resting, equal)[1] for resting in (True, False))
+    increase = (np.sum((y - at_rest) ** 2) - np.sum((y - fitted) ** 2)) / noise_std**2
+    return breaks, bool(increase < rest_limit), equal
 
 
 def interpolate(time: ArrayLike, values: ArrayLike) -> Pieces:
@@ -210,26 +215,3 @@ def _breaks(need: NDArray[np.intp]) -> NDArray[np.intp]:
         keep[fine[near[fine // coarse]]] = True
     keep[-1] = True
     return np.flatnonzero(keep)
-
-
-def _starts_at_rest(
-    t: NDArray[np.float64],
-    y: NDArray[np.float64],
-    breaks: NDArray[np.intp],
-    equal: frozenset[int],
-    noise_std: float,
-) -> bool:
-    """Return True if chi-square does not separate the fit that starts at rest from the free one."""
-    # Increase of chi-square, one degree of freedom, above which a drive does not start at rest: 5 sigma.
-    rest_limit = 25.0
-    at_rest, fitted = (fit_spline(t, y, breaks, resting, equal)[1] for resting in (True, False))
-    increase = (np.sum((y - at_rest) ** 2) - np.sum((y - fitted) ** 2)) / noise_std**2
-    return bool(increase < rest_limit)
-
-
-def _pieces(spline: BSpline) -> Pieces:
-    from scipy.interpolate import PPoly
-
-    whole = PPoly.from_spline(spline)
-    inside = np.flatnonzero(np.diff(whole.x) > 0)  # the repeated knots at both ends span nothing
-    return np.append(whole.x[inside], whole.x[-1]), np.ascontiguousarray(whole.c[:, inside])

@@ -70,7 +70,7 @@ class CsvFile:
         try:
             with self._open() as file:
                 for number, line in enumerate(file, 1):
-                    if _says_something(line):
+                    if line.strip() and not line.lstrip().startswith("#"):
                         yield number, line.rstrip("\n")
         except (OSError, UnicodeDecodeError):
             self._read()  # says what is wrong
@@ -172,9 +172,3 @@ def _is_file(path: Path) -> bool:
         return path.is_file()
     except (OSError, ValueError):  # a name that no file can have
         return False
-
-
-def _says_something(line: str) -> bool:
-    """Return True if a line is neither empty nor a comment."""
-    words = line.strip()
-    return bool(words) and not words.startswith("#")

@@ -81,7 +81,7 @@ def _problems(record: Record, drive: Signal, signals: Sequence[Signal]) -> Itera
     for k in (-1, *pauses.tolist(), len(time) - 1):
         first = time[k] if k >= 0 else -np.inf
         last = time[k + 1] if k + 1 < len(time) else np.inf
-        moves = _moves(values, k, still)
+        moves = float(np.ptp(values[max(k + 1 - PAUSE, 0) : k + 1 + PAUSE])) > still
         if moves and _meets(time, values, k, still):
             continue
         seen = [each for other in others if (each := other.seen(first, last, moves))]
@@ -156,11 +156,6 @@ def _when(first: float, last: float) -> str:
     if np.isinf(last):
         return f"ends at {first:.6g} s,"
     return f"pauses from {first:.6g} to {last:.6g} s,"
-
-
-def _moves(values: Floats, k: int, still: float) -> bool:
-    """Return True if a drive moves on either side of where it is unknown, after its sample k, see (1)."""
-    return float(np.ptp(values[max(k + 1 - PAUSE, 0) : k + 1 + PAUSE])) > still
 
 
 def _meets(time: Floats, values: Floats, k: int, still: float) -> bool:

@@ -61,7 +61,16 @@ class _Reader:
     def signal(self, i: int, table: SignalTable, reference: str) -> Signal:
         """Return one signal in SI units."""
         if is_input(self.table, table):
-            return self._input(table, reference)
+            channels = table.spec.channels or len(table.axes)
+            return Signal(
+                name=table.name,
+                quantity=table.quantity,
+                values=np.empty((0, channels)),
+                unit=table.si[0],
+                frequency=np.empty(0),
+                clock=table.clock or reference,
+                **table.located,
+            )
         self._check_columns(i, table)
         unit, factor = self._unit(table)
         for column in table.channels:
@@ -98,19 +107,6 @@ class _Reader:
         if table.input is None:
             return table.si
         return response_unit(table, next(s for s in self.table.signals if s.name == table.input))
-
-    def _input(self, table: SignalTable, reference: str) -> Signal:
-        """Return the input of a frequency response: what and where, without values."""
-        channels = table.spec.channels or len(table.axes)
-        return Signal(
-            name=table.name,
-            quantity=table.quantity,
-            values=np.empty((0, channels)),
-            unit=table.si[0],
-            frequency=np.empty(0),
-            clock=table.clock or reference,
-            **table.located,
-        )
 
     def _frequency(self, table: SignalTable) -> Floats:
         """Return frequencies [Hz]; they must rise."""

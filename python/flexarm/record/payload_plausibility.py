@@ -34,7 +34,12 @@ def payload_problems(record: Record, arm: Arm) -> Iterable[Problem]:
     yield from of_loads
     known = {problem.where for problem in of_loads}
     yield from (problem for problem in _heavy(record, arm) if problem.where not in known)
-    yield from _drawn(record, arm)
+    lengths = {link.name: link.length for link in arm.links if isinstance(link, Beam)}
+    for name, drawn in record.links.items():
+        nominal = lengths.get(name, drawn.length)
+        if drawn.length > min(LONGEST, DRAWN * nominal):
+            what = f"is {drawn.length:g} m, the model has {nominal:g} m; lengths are in m, not in mm"
+            yield Problem(f"links.{name}.length", what)
     yield from _standing(record, arm)
 
 
@@ -64,15 +69,6 @@ def _heavy(record: Record, arm: Arm) -> Iterable[Problem]:
         if whole > 0 and mass > more * whole and any(arm.gravity):
             nominal = f"the model has {own[name]:g} kg there and weighs {whole:.3g} kg in all"
             yield Problem(where, f"is {mass:g} kg, {nominal}; masses are in kg, not in g")
-
-
-def _drawn(record: Record, arm: Arm) -> Iterable[Problem]:
-    lengths = {link.name: link.length for link in arm.links if isinstance(link, Beam)}
-    for name, drawn in record.links.items():
-        nominal = lengths.get(name, drawn.length)
-        if drawn.length > min(LONGEST, DRAWN * nominal):
-            what = f"is {drawn.length:g} m, the model has {nominal:g} m; lengths are in m, not in mm"
-            yield Problem(f"links.{name}.length", what)
 
 
 def _standing(record: Record, arm: Arm) -> Iterable[Problem]:

@@ -14,7 +14,7 @@ Milliseconds read as seconds make 18 s last 5 hours. Stamps alone do not tell th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import permutations
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -98,7 +98,18 @@ def duration_problems(record: Record) -> Iterable[Problem]:
 
 def mismatched_durations(record: Record) -> list[Problem]:
     """Return signals whose durations violate (1) or the first of (3)."""
-    return _apart(_spans(record))
+    found: dict[str, list[tuple[str, str]]] = {}
+    for (name, span), (other, its) in permutations(_spans(record).items(), 2):
+        factor = next((f for f in UNITS if 1 / ALIKE < span.seconds / its.seconds / f < ALIKE), None)
+        if factor is None:
+            continue
+        if its.rate > UNHEARD:
+            what = f"lasts {its}, {name} {span}, {factor:g} times as long: are its stamps in s?"
+            found.setdefault("in s", []).append((other, what))
+        elif span.rate * factor <= USUAL:
+            what = f"lasts {span}, {factor:g} times as long as {other} ({its}); {unit_hint(factor, span)}"
+            found.setdefault(UNITS[factor], []).append((name, what))
+    return [_one_of(alike) for alike in found.values()]
 
 
 def _spans(record: Record) -> dict[str, Span]:
@@ -119,22 +130,6 @@ def implausible_rates(record: Record, joints: Sequence[str]) -> Iterable[Problem
             yield Problem(
                 f"signals.{signal.name}", f"{what}; are its stamps, and its values, in their units?"
             )
-
-
-def _apart(spans: Mapping[str, Span]) -> list[Problem]:
-    """Return signals whose duration differs from another's by the factor of a unit."""
-    found: dict[str, list[tuple[str, str]]] = {}
-    for (name, span), (other, its) in permutations(spans.items(), 2):
-        factor = next((f for f in UNITS if 1 / ALIKE < span.seconds / its.seconds / f < ALIKE), None)
-        if factor is None:
-            continue
-        if its.rate > UNHEARD:
-            what = f"lasts {its}, {name} {span}, {factor:g} times as long: are its stamps in s?"
-            found.setdefault("in s", []).append((other, what))
-        elif span.rate * factor <= USUAL:
-            what = f"lasts {span}, {factor:g} times as long as {other} ({its}); {unit_hint(factor, span)}"
-            found.setdefault(UNITS[factor], []).append((name, what))
-    return [_one_of(alike) for alike in found.values()]
 
 
 def _one_of(alike: list[tuple[str, str]]) -> Problem:

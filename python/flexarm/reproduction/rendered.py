@@ -38,7 +38,12 @@ def rendered(
 
     with scratch_directory() as folder:
         scene, image = folder / "scene.npz", folder / "image.png"
-        np.savez(scene, **_arrays(parts), largest=largest, colours=colours, view=view)
+        arrays: dict[str, Any] = {"count": len(parts)}
+        for i, (points, faces, values) in enumerate(parts):
+            arrays[f"points_{i}"] = points
+            arrays[f"faces_{i}"] = np.concatenate([[len(face), *face] for face in faces] or [[]]).astype(int)
+            arrays[f"values_{i}"] = np.array([]) if values is None else values
+        np.savez(scene, **arrays, largest=largest, colours=colours, view=view)
         command = [sys.executable, "-m", "flexarm.reproduction.rendered", str(scene), str(image)]
         if _done(command) and image.is_file():
             return _cut(imread(image))
@@ -59,15 +64,6 @@ def _done(command: list[str]) -> bool:
             return False
         finally:
             renderer.kill()
-
-
-def _arrays(parts: Sequence[Part]) -> dict[str, Any]:
-    found: dict[str, Any] = {"count": len(parts)}
-    for i, (points, faces, values) in enumerate(parts):
-        found[f"points_{i}"] = points
-        found[f"faces_{i}"] = np.concatenate([[len(face), *face] for face in faces] or [[]]).astype(int)
-        found[f"values_{i}"] = np.array([]) if values is None else values
-    return found
 
 
 def _cut(image: NDArray[Any]) -> NDArray[Any]:

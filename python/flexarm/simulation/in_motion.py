@@ -9,7 +9,6 @@ and strains change only as the weight does.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import isfinite
 
 from flexarm import _core
@@ -31,20 +30,8 @@ def start_in_motion(
     released = equilibrium if held is system else _core.released(held, equilibrium, system)
     if run.drive.rates is None:
         return released
-    kinds = {**dict.fromkeys(_checked(run, run.drive.rates), _core.DriveKind.motor_angle), **run.prescribed}
-    turned = assemble(run.arm, kinds, driven=run.drive.rest)
-    turned.count_closures_as(held)
-    there = _core.Varied(
-        turned, turned, _APART / 2, -_APART / 2, _poses(run, _APART / 2), _poses(run, -_APART / 2)
-    )
-    along = _core.static_derivative(turned, equilibrium, [there], run.options.start)  # eq. (1)
-    return _core.in_motion(released, _core.released_derivative(turned, along, system))
-
-
-def _checked(run: PreparedRun, rates: Mapping[str, float]) -> list[str]:
-    """Return the joints that torques drive."""
     free = [name for name, joint in run.drive.joints.items() if joint.side == "torque"]
-    for name, rate in rates.items():
+    for name, rate in run.drive.rates.items():
         if name not in free:
             raise InvalidParameter(
                 f"no torque drives {name!r}, which begins as its drive does; torques drive "
@@ -53,7 +40,14 @@ def _checked(run: PreparedRun, rates: Mapping[str, float]) -> list[str]:
             )
         if not isfinite(rate):
             raise InvalidParameter(f"must be finite, got {rate}", where=f"drive.rates.{name}")
-    return free
+    kinds = {**dict.fromkeys(free, _core.DriveKind.motor_angle), **run.prescribed}
+    turned = assemble(run.arm, kinds, driven=run.drive.rest)
+    turned.count_closures_as(held)
+    there = _core.Varied(
+        turned, turned, _APART / 2, -_APART / 2, _poses(run, _APART / 2), _poses(run, -_APART / 2)
+    )
+    along = _core.static_derivative(turned, equilibrium, [there], run.options.start)  # eq. (1)
+    return _core.in_motion(released, _core.released_derivative(turned, along, system))
 
 
 def _poses(run: PreparedRun, time: float) -> list[_core.PiecewisePolynomial]:

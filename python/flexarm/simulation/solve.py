@@ -151,22 +151,17 @@ def _with_slopes(
         initial = _core.released_derivative(held, initial, system)
     equilibrium = start_in_motion(run, held, system, equilibrium)
     if run.drive.rates is not None:
-        initial.velocity = _velocity_slopes(run, wanted)
+        columns = []
+        for parameter in wanted:
+            (above, up), (below, down) = neighbours(run.arm, parameter)
+            plus, minus = (StartedRun.of(replace(run, arm=arm)).equilibrium.state.v for arm in (above, below))
+            columns.append((np.asarray(plus) - np.asarray(minus)) / (up - down))
+        initial.velocity = np.stack(columns, axis=1)
     run.options.tolerance = DIFFERENTIATED
     both = _core.simulate_differentiated(system, equilibrium, run.motions, run.options, free, initial, report)
     energies = energies_of(both.run, system, equilibrium, run.motions, run.options, run.led)
     found = _with_drive(run, simulation_of(run.arm, both.run, run.options, energies, run.led))
     return found, derived(found, both.derivatives, len(free), run.led)
-
-
-def _velocity_slopes(run: PreparedRun, wanted: Sequence[Parameter]) -> Floats:
-    """Return what parameters do to the velocities of a start in motion, shape (velocity, parameter)."""
-    columns = []
-    for parameter in wanted:
-        (above, up), (below, down) = neighbours(run.arm, parameter)
-        plus, minus = (StartedRun.of(replace(run, arm=arm)).equilibrium.state.v for arm in (above, below))
-        columns.append((np.asarray(plus) - np.asarray(minus)) / (up - down))
-    return np.stack(columns, axis=1)
 
 
 def derived(run: Simulation, derivatives: _core.Transient, count: int, led: int = 0) -> dict[str, Floats]:

@@ -55,7 +55,9 @@ def problems(mesh: SolidMesh) -> Iterator[Problem]:
     yield from _twice(mesh)
     yield from _duplicates(mesh)
     yield from _loose(mesh)
-    yield from _unused(mesh)
+    left = np.flatnonzero(~used_points(mesh.cells.values(), mesh.n_points))
+    if len(left):
+        yield Problem("points", f"{len(left)} nodes belong to no cell: {_points(mesh, left)}")
     yield from material_problems(mesh)
 
 
@@ -134,12 +136,6 @@ def _loose(mesh: SolidMesh) -> Iterator[Problem]:
     )
 
 
-def _unused(mesh: SolidMesh) -> Iterator[Problem]:
-    left = np.flatnonzero(~used_points(mesh.cells.values(), mesh.n_points))
-    if len(left):
-        yield Problem("points", f"{len(left)} nodes belong to no cell: {_points(mesh, left)}")
-
-
 def _cells(mesh: SolidMesh, kind: str, which: Ints) -> str:
     """Return the numbers of cells in the file, and where the first is."""
     numbers = mesh.cell_numbers[kind][which[:_SHOWN]]
@@ -169,7 +165,9 @@ def validate(mesh: SolidMesh) -> Iterator[Problem]:
     """Yield all plausibility problems of a mesh."""
     yield from _size(mesh)
     yield from _materials(mesh)
-    yield from _sets(mesh)
+    empty = [name for name, points in mesh.point_sets.items() if not len(points)]
+    if empty:
+        yield Problem("point sets", f"without points of solid cells: {', '.join(empty)}")
     yield from _distorted(mesh)
 
 
@@ -216,12 +214,6 @@ def _materials(mesh: SolidMesh) -> Iterator[Problem]:
                 f"density is {material.density:g} kg/m3; densities are in kg/m3 (steel 7850); unit = 'mm' "
                 "converts those of files in t/mm3",
             )
-
-
-def _sets(mesh: SolidMesh) -> Iterator[Problem]:
-    empty = [name for name, points in mesh.point_sets.items() if not len(points)]
-    if empty:
-        yield Problem("point sets", f"without points of solid cells: {', '.join(empty)}")
 
 
 def _distorted(mesh: SolidMesh) -> Iterator[Problem]:

@@ -313,6 +313,7 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
         steps = np.diff(measured[keep, k])  # their scatter is an upper bound of the noise
         noise = min(stated, float(np.std(steps) / np.sqrt(2)) if len(steps) > 1 else 0.0)
         rows = slice(None) if keep.all() else keep
+        size = reach(simulated.arm) if signal.unit == "m" else float(signal.quantity in QUASI_STATIC)
         found.append(
             Channel(
                 name,
@@ -325,7 +326,7 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
                 regressors[rows],
                 prior_std,
                 noise or 1e-6 * moving,
-                _model_error(simulated, signal, moving),
+                float(np.hypot(POLICY.missed_at_rest * size, missed_share(signal) * moving)),
                 reach(simulated.arm) if signal.unit == "m" else 1.0,
                 _driven(simulated, instants[rows]),
             )
@@ -350,9 +351,3 @@ def _matching_quaternions(signal: Signal, predicted: Floats) -> Floats:
         return signal.values
     sign = np.sign(np.sum(signal.values * predicted, axis=1))
     return signal.values * np.where(sign == 0, 1.0, sign)[:, None]
-
-
-def _model_error(simulated: SimulatedRecord, signal: Signal, moving: float) -> float:
-    """Return the error of the nominal model of a channel [SI]."""
-    size = reach(simulated.arm) if signal.unit == "m" else float(signal.quantity in QUASI_STATIC)
-    return float(np.hypot(POLICY.missed_at_rest * size, missed_share(signal) * moving))

@@ -256,22 +256,17 @@ class _FaultEvidence:
 
 def merge_findings(all_findings: Sequence[RecordFindings]) -> tuple[Fault, ...]:
     """Return faults by sensor, most probable first."""
-    all_findings = _resolve_ambiguous(all_findings)
-    items = _one_fault_per_channel([item for findings in all_findings for item in _items(findings)])
-    keys = dict.fromkeys((item.name, item.at) for item in items)
-    faults = [_fault([item for item in items if (item.name, item.at) == key]) for key in keys]
-    return tuple(sorted(faults, key=lambda fault: -fault.probability))
-
-
-def _resolve_ambiguous(all_findings: Sequence[RecordFindings]) -> list[RecordFindings]:
-    """Resolve an ambiguous record by one that clearly shows the same fault of the drive."""
     sure = {v.drive.key for v in all_findings if v.drive and not v.ambiguous}
-    return [
+    all_findings = [
         replace(v, ambiguous=False, channels=v.drive.channels)
         if v.drive and v.ambiguous and v.drive.key in sure
         else v
         for v in all_findings
     ]
+    items = _one_fault_per_channel([item for findings in all_findings for item in _items(findings)])
+    keys = dict.fromkeys((item.name, item.at) for item in items)
+    faults = [_fault([item for item in items if (item.name, item.at) == key]) for key in keys]
+    return tuple(sorted(faults, key=lambda fault: -fault.probability))
 
 
 def _one_fault_per_channel(items: list[_FaultEvidence]) -> list[_FaultEvidence]:

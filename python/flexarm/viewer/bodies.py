@@ -66,7 +66,8 @@ class Bodies:
         for joint in self.arm.joints:
             bone, _, position = self.place(joint)
             if joint.moves:
-                found.append(Label("joints", joint.name, bone, _three(position)))
+                x, y, z = map(float, position)
+                found.append(Label("joints", joint.name, bone, (x, y, z)))
         for name, what in machine_of(self.arm).payloads.items():
             found.append(Label("payloads", f"{name} {number(what.mass)} kg", self.skeleton.loads[name]))
         found += [Label("points", name, bone) for name, bone in self.skeleton.points.items()]
@@ -123,7 +124,11 @@ class Bodies:
 
     def _joint(self, joint: Joint) -> Iterator[Skin]:
         bone, R, x = self.place(joint)
-        radius = max(STYLE.joint * self.size, 1.25 * self._beside(joint))
+        names = {link_of(joint.parent), link_of(joint.child)}
+        widths = [
+            half_widths(li.section) for li in self.arm.links if isinstance(li, Beam) and li.name in names
+        ]
+        radius = max(STYLE.joint * self.size, 1.25 * max((max(pair) for pair in widths), default=0.0))
         if not joint.moves:
             yield (
                 box(np.full(3, 1.2 * STYLE.joint * self.size))
@@ -171,14 +176,6 @@ class Bodies:
             half = 1.3 * radius * (R @ (np.asarray(closure.axis) / np.linalg.norm(closure.axis)))
             shape = rod(x - half, x + half, radius)
         yield shape.on(bone, "joints", closure.name, STYLE.joints)
-
-    def _beside(self, joint: Joint) -> float:
-        """Return the half width of the beams that a joint joins [m]; 0 without any."""
-        names = {link_of(joint.parent), link_of(joint.child)}
-        widths = [
-            half_widths(li.section) for li in self.arm.links if isinstance(li, Beam) and li.name in names
-        ]
-        return max((max(pair) for pair in widths), default=0.0)
 
     def _payloads(self) -> Iterator[Skin]:
         for name, load in machine_of(self.arm).payloads.items():
@@ -249,8 +246,3 @@ def _across(axis: Floats) -> Floats:
     least = np.eye(3)[int(np.argmin(np.abs(axis)))]
     normal = np.cross(axis, least)
     return np.asarray(np.array([normal, -normal]) / np.linalg.norm(normal))
-
-
-def _three(values: Floats) -> tuple[float, float, float]:
-    x, y, z = map(float, values)
-    return x, y, z

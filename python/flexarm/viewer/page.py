@@ -29,17 +29,6 @@ def page(scene: Scene) -> str:
         loader=PackageLoader("flexarm.viewer", "."), autoescape=True, undefined=StrictUndefined
     )
     here = Path(__file__).parent
-    return environment.get_template("page.html.j2").render(
-        title=scene.title,
-        notes=scene.notes,
-        meshcat=Markup(_script(_meshcat())),
-        scene=Markup(_script(json.dumps(_plain(scene)))),
-        player=Markup(_script((here / "player.js").read_text(encoding="utf-8"))),
-    )
-
-
-def _meshcat() -> str:
-    """Return Meshcat's viewer as its package ships it; its Python side, with its servers, is not loaded."""
     found = find_spec("meshcat")
     if found is None or not found.submodule_search_locations:
         raise InvalidParameter(
@@ -47,7 +36,13 @@ def _meshcat() -> str:
             where="view",
         )
     folder = Path(next(iter(found.submodule_search_locations)))
-    return (folder / "viewer" / "dist" / "main.min.js").read_text(encoding="utf-8")
+    return environment.get_template("page.html.j2").render(
+        title=scene.title,
+        notes=scene.notes,
+        meshcat=Markup(_script((folder / "viewer" / "dist" / "main.min.js").read_text(encoding="utf-8"))),
+        scene=Markup(_script(json.dumps(_plain(scene)))),
+        player=Markup(_script((here / "player.js").read_text(encoding="utf-8"))),
+    )
 
 
 def _script(text: str) -> str:

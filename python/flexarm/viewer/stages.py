@@ -9,7 +9,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.closure import loop_joints
-from flexarm.arrays import Floats, Ints
+from flexarm.arrays import Floats
 from flexarm.assembly import following_joints
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
@@ -56,7 +56,16 @@ def of_statics(found: Statics, scale: float | None = None, meshes: Meshes | None
     rigid = skeleton.rigid(found.drive_angle[None])
     if found.arm.closures:
         rigid = skeleton.rigid(at_rest(found.arm, drive_angles(found.arm, found.drive_angle, found.driven)))
-    poses = _equilibrium(skeleton, found)
+    forces = {} if found.force is None else dict(zip(found.points, found.force, strict=True))
+    held = drive_angles(found.arm, found.drive_angle)
+    looped = set(loop_joints(found.arm)) - set(found.driven)
+    again = static(
+        skeleton.seen,
+        {name: angle for name, angle in held.items() if name not in looped},
+        {name: force for name, force in forces.items() if np.any(force)},
+        at_link=found.at_link,
+    )
+    poses = Poses(again.rotation[None], again.position[None])[:, skeleton.chosen]
     largest = _farthest(poses.x - rigid.x)
     size = _size(rigid.x)
     times = _scale_of(largest, size, STYLE.shown_deformation) if scale is None else _checked(scale)
@@ -145,7 +154,8 @@ def of_simulation(
     """
     skeleton = Skeleton(run.arm)
     again = _again(skeleton, run)
-    frames = _frames(run.time)
+    wanted = min((run.time[-1] - run.time[0]) * STYLE.frames_per_second, STYLE.most_frames, len(run.time) - 1)
+    frames = np.unique(np.linspace(0, len(run.time) - 1, max(2, round(wanted) + 1)).round().astype(int))
     assert again.orientation is not None  # asked for
     x, turn = again.position[frames, skeleton.chosen], again.orientation[frames, skeleton.chosen]
     poses = from_quaternions(x, turn)
@@ -274,20 +284,6 @@ def _path(name: str, x: Floats) -> Skin:
     return Skin("paths", f"{name} path", bone, x[:, None], lines, STYLE.points)
 
 
-def _equilibrium(skeleton: Skeleton, found: Statics) -> Poses:
-    """Return the bones in an equilibrium, which is solved again with them."""
-    forces = {} if found.force is None else dict(zip(found.points, found.force, strict=True))
-    held = drive_angles(found.arm, found.drive_angle)
-    looped = set(loop_joints(found.arm)) - set(found.driven)
-    again = static(
-        skeleton.seen,
-        {name: angle for name, angle in held.items() if name not in looped},
-        {name: force for name, force in forces.items() if np.any(force)},
-        at_link=found.at_link,
-    )
-    return Poses(again.rotation[None], again.position[None])[:, skeleton.chosen]
-
-
 def _again(skeleton: Skeleton, run: Simulation) -> Simulation:
     driven = drive_angles(run.arm, run.drive_angle[0], str(run.solver.get("driven", "")).split())
     angles = {name: run.drive_angle[:, run.joints.index(name)] for name in driven}
@@ -325,12 +321,6 @@ def _closed(arm: Arm, angles: Floats, joint: str) -> Floats:
         return np.array([at_rest(arm, {joint: float(angle)})[0] for angle in angles])
     except InvalidParameter:
         return np.zeros((0, len(arm.joints)))
-
-
-def _frames(time: Floats) -> Ints:
-    """Return the instants that are drawn, first and last among them: at most as many as `STYLE` says."""
-    wanted = min((time[-1] - time[0]) * STYLE.frames_per_second, STYLE.most_frames, len(time) - 1)
-    return np.unique(np.linspace(0, len(time) - 1, max(2, round(wanted) + 1)).round().astype(int))
 
 
 def _size(x: Floats) -> float:

@@ -50,7 +50,15 @@ def gains(
     except (InvalidParameter, NotConverged):
         return
     there = with_points(arm, additions)
-    present = _present(choice, pairs)
+    estimator = choice.estimator
+    best = estimator.problem.residual(estimator.with_effects(choice.best.members))
+    apart = [estimator.problem.residual(estimator.with_effects(r.fit.members)) - best for _, r in pairs]
+    present = _Rows(
+        estimator.nuisance.parameters,
+        estimator.jacobian,
+        apart,
+        [alternative.fit.jacobian for _, alternative in pairs],
+    )
     sensors = [sensor for addition in additions for sensor in addition.sensors]
     logged = replace(run, sensors=(*run.sensors, *sensors))
     with_all: list[_Next | None] = []  # one run serves all sensors that may be added
@@ -71,19 +79,6 @@ class _Rows:
     jacobian: Floats
     apart: list[Floats]
     moves: list[Floats]
-
-
-def _present(choice: Choice, pairs: Sequence[tuple[int, AlternativeModel]]) -> _Rows:
-    """Return rows 0 of (1)."""
-    estimator = choice.estimator
-    best = estimator.problem.residual(estimator.with_effects(choice.best.members))
-    apart = [estimator.problem.residual(estimator.with_effects(r.fit.members)) - best for _, r in pairs]
-    return _Rows(
-        estimator.nuisance.parameters,
-        estimator.jacobian,
-        apart,
-        [alternative.fit.jacobian for _, alternative in pairs],
-    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -99,15 +99,10 @@ def _alike(probed: Iterable[Probed], arm: Arm) -> list[list[Probed]]:
         candidate = each.candidate
         stated = candidate.without is not None and not candidate.without.inert
         if candidate.effect.forms_families() and not stated and candidate.needs is None:
-            found.setdefault(_kind(candidate, arm), []).append(each)
+            sizes = tuple(candidate.effect.parameters())
+            units = tuple(prior.unit for prior in candidate.priors_in(arm).values())
+            found.setdefault((candidate.name, sizes, candidate.free, units), []).append(each)
     return list(found.values())
-
-
-def _kind(candidate: Candidate, arm: Arm) -> tuple[object, ...]:
-    """Return what is the same of candidates of one family: the variant, what is free and its units."""
-    sizes = tuple(candidate.effect.parameters())
-    units = tuple(prior.unit for prior in candidate.priors_in(arm).values())
-    return candidate.name, sizes, candidate.free, units
 
 
 def _in_place_of_singles(about: Estimator, probed: Sequence[Probed], best: Fit, limit: float) -> list[Fit]:

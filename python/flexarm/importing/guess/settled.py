@@ -52,15 +52,10 @@ def settle_units(proposals: Sequence[Proposal], arm: Arm) -> None:
         if angle and not proposal.out and not proposal.counts:
             kind = (proposal.first.kind, proposal.quantity, str(proposal.keys.get("side")))
             families.setdefault((*kind, slides(arm, proposal.place[1])), []).append(proposal)
-    seen = _moving_points(proposals)
+    points = [p for p in proposals if p.quantity == "position" and not p.out and p.moves()]
+    seen = sorted((p for p in points if len(p.track().time) > 8), key=lambda p: -p.track().size)
     for family in families.values():
         _settle_family(family, seen, arm)
-
-
-def _moving_points(proposals: Sequence[Proposal]) -> list[Proposal]:
-    asked = [p for p in proposals if p.quantity == "position" and not p.out and p.moves()]
-    found = [p for p in asked if len(p.track().time) > 8]
-    return sorted(found, key=lambda p: -p.track().size)
 
 
 def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Arm) -> None:

@@ -107,7 +107,9 @@ def _refuse_swollen(path: Path) -> None:
             coded = _attributes(appended).get("encoding") != "raw"
         elif about.get("format") != "binary":
             continue
-        header = _header(raw, start, kind, coded)
+        count = int(np.frombuffer(_bytes(raw, start, kind.itemsize, coded), kind)[0])
+        whole = _bytes(raw, start, (3 + count) * kind.itemsize, coded)
+        header = np.frombuffer(whole, kind, min(3 + count, len(whole) // kind.itemsize)).tolist()
         declared = [header[1]] * len(header[3:])
         declared[-1:] = [header[2] or header[1]] if declared else []
         total += sum(declared)
@@ -135,10 +137,3 @@ def _bytes(raw: bytes, start: int, count: int, coded: bool) -> bytes:
     """Return bytes from a place of a file on, as many as are there."""
     piece = raw[start : start + _length(count, coded)]
     return b64decode(piece)[:count] if coded else piece
-
-
-def _header(raw: bytes, start: int, kind: Any, coded: bool) -> list[int]:
-    """Return the header of a compressed array."""
-    count = int(np.frombuffer(_bytes(raw, start, kind.itemsize, coded), kind)[0])
-    whole = _bytes(raw, start, (3 + count) * kind.itemsize, coded)
-    return np.frombuffer(whole, kind, min(3 + count, len(whole) // kind.itemsize)).tolist()  # type: ignore[no-any-return]

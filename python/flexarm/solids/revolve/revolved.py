@@ -68,10 +68,12 @@ def revolved(
     radii, heights = _lines(blocks, patches, along_r, along_z)
     n = _around(radii, along_r, around, patches)
     plan = plan_of(radii.values, n, along_r)
-    points = _levels(plan.points, heights.values)
+    z = np.repeat(heights.values, len(plan.points))
+    points = np.column_stack([np.tile(plan.points, (len(heights), 1)), z])
     circle = np.tile(plan.circle, len(heights))
     cells, groups = _sweep(plan.quads, plan.column, len(plan.points), blocks, radii, heights)
-    points, circle, cells = _used(points, circle, cells)
+    used, inverse = np.unique(cells, return_inverse=True)
+    points, circle, cells = points[used], circle[used], inverse.reshape(cells.shape)
     if order == 2:
         points, cells = with_middle_points(points, circle, cells)
     kind = "hex8" if order == 1 else "hex20"
@@ -147,11 +149,6 @@ def _around(radii: Lines, size: float, wanted: int | None, patches: Iterable[obj
     return wanted
 
 
-def _levels(plan: Floats, heights: Floats) -> Floats:
-    z = np.repeat(heights, len(plan))
-    return np.column_stack([np.tile(plan, (len(heights), 1)), z])
-
-
 def _sweep(
     quads: Ints, column: Ints, n_plan: int, blocks: Sequence[Block], radii: Lines, heights: Lines
 ) -> tuple[Ints, dict[str, Ints]]:
@@ -166,12 +163,6 @@ def _sweep(
         groups[block.name] = np.arange(count, count + n)
         count += n
     return np.concatenate(cells), groups
-
-
-def _used(points: Floats, circle: Floats, cells: Ints) -> tuple[Floats, Floats, Ints]:
-    """Keep only the points that cells use."""
-    used, inverse = np.unique(cells, return_inverse=True)
-    return points[used], circle[used], inverse.reshape(cells.shape)
 
 
 def _materials(blocks: Sequence[Block], rest: Material | None) -> Mapping[str, Material]:

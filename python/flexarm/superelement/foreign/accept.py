@@ -94,6 +94,19 @@ def accept_matrices(
         key: [value] if isinstance(value, int) else list(value) for key, value in (interfaces or {}).items()
     }
     with naming_file(stiffness):
+        told = {"source": "foreign matrices", "unit_of_source": unit}
+        for role, source in (
+            ("stiffness", stiffness),
+            ("mass", mass_matrix),
+            ("damping", damping_matrix),
+            ("grids", grids),
+        ):
+            path = Path(str(source))
+            if source is not None and path.is_file():
+                told[f"{role}_file"] = path.name
+                told[f"{role}_sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
+        if chosen.ignored:
+            told["ignored"] = ", ".join(chosen.ignored)
         element = from_matrices(
             K,
             M,
@@ -104,7 +117,7 @@ def accept_matrices(
             unit=unit,
             name=name or Path(str(stiffness)).stem,
             provenance={
-                **_provenance(stiffness, mass_matrix, damping_matrix, grids, unit, chosen.ignored),
+                **told,
                 "order_of_source": "of the file" if stated is None else STATED_ORDER,
             },
         )
@@ -209,25 +222,6 @@ def _refuse_asymmetric(source: str | Path, role: str, matrix: Floats, freedoms: 
         places = f"[{freedoms[i]}, {freedoms[j]}]"
         what = f"must be symmetric, got {matrix[i, j]:.8g} at {places} and {matrix[j, i]:.8g} across"
         raise InvalidFile(source, role, what)
-
-
-def _provenance(
-    stiffness: str | Path,
-    mass: str | Path | None,
-    damping: str | Path | None,
-    grids: str | Path,
-    unit: str,
-    ignored: Sequence[str],
-) -> dict[str, str]:
-    told = {"source": "foreign matrices", "unit_of_source": unit}
-    for role, source in (("stiffness", stiffness), ("mass", mass), ("damping", damping), ("grids", grids)):
-        path = Path(str(source))
-        if source is not None and path.is_file():
-            told[f"{role}_file"] = path.name
-            told[f"{role}_sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
-    if ignored:
-        told["ignored"] = ", ".join(ignored)
-    return told
 
 
 @contextmanager

@@ -65,16 +65,11 @@ def reduction(
             continue
         grid, i = grids[freedom.point], place[freedom.point]
         columns = slice(PER_INTERFACE * i, PER_INTERFACE * (i + 1))
-        Q[row, columns] = _follows(grid, grid.position - positions[i])[freedom.component - 1]
+        follows = np.zeros((6, 6))  # of a point for its frame, eq. (1)
+        follows[:3, :3] = follows[3:, 3:] = grid.axes.T
+        follows[:3, 3:] = -grid.axes.T @ cross_matrix(grid.position - positions[i])
+        Q[row, columns] = follows[freedom.component - 1]
     return Reduction(tuple(groups), positions, rotations, Q)
-
-
-def _follows(grid: Grid, arm: Floats) -> Floats:
-    """Return the six freedoms of a point in its axes for those of its frame, eq. (1)."""
-    follows = np.zeros((6, 6))
-    follows[:3, :3] = follows[3:, 3:] = grid.axes.T
-    follows[:3, 3:] = -grid.axes.T @ cross_matrix(arm)
-    return follows
 
 
 def _groups(
