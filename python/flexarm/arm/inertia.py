@@ -15,13 +15,13 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from flexarm.tables import Number
+from flexarm.tables import Number, to_python
 
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
 
 def _three_or_six(value: Any) -> Any:
-    value = value.tolist() if hasattr(value, "tolist") else value
+    value = to_python(value)
     if not isinstance(value, list | tuple) or len(value) not in (3, 6):
         raise ValueError(f"must be [Ixx, Iyy, Izz] or [Ixx, Iyy, Izz, Ixy, Ixz, Iyz] [kg m2], got {value!r}")
     return tuple(value)

@@ -25,7 +25,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from flexarm.tables import Inconsistent, Number, Table, Vector2, value_in
+from flexarm.tables import Inconsistent, Number, Table, Vector2, to_python, value_in
 
 _THINNEST = 1e-6
 """Wall over the width of a hollow section: a thinner one is lost in the rounding of (1)."""
@@ -142,7 +142,7 @@ def _shear_area(a: float, b: float, t: float) -> float:
 
 def _pair(value: Any) -> Any:
     """Return one number for both planes, or a list [y, z]."""
-    value = value.tolist() if hasattr(value, "tolist") else value
+    value = to_python(value)
     return value if isinstance(value, list | tuple) else (value, value)
 
 

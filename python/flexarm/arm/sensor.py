@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from flexarm.errors import InvalidParameter
 from flexarm.quantities import CURRENT, QUANTITIES, TORQUE, Quantity, QuantityName, channel_names
@@ -22,11 +22,7 @@ def _check_axes(axes: tuple[str, ...]) -> tuple[str, ...]:
     return axes
 
 
-def _as_tuple(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
-Axes = Annotated[tuple[Literal["x", "y", "z"], ...], BeforeValidator(_as_tuple), AfterValidator(_check_axes)]
+Axes = Annotated[tuple[Literal["x", "y", "z"], ...], AfterValidator(_check_axes)]
 
 
 class Measurement(Table):

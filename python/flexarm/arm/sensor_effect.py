@@ -13,9 +13,9 @@ time and t_0 the start of the run. Values are SI.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Annotated, ClassVar, Protocol
 
-from pydantic import AfterValidator, BeforeValidator
+from pydantic import AfterValidator
 
 from flexarm.arm.effect import Effect
 from flexarm.quantities import channel_names
@@ -95,10 +95,6 @@ class SignalEffect(Effect):
         return std
 
 
-def _names(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
 def _once(names: tuple[str, ...]) -> tuple[str, ...]:
     if len(set(names)) < len(names):
         raise ValueError(f"must name no channel twice, got {list(names)}")
@@ -108,7 +104,7 @@ def _once(names: tuple[str, ...]) -> tuple[str, ...]:
 class ChannelEffect(SignalEffect):
     """An effect on some channels of a signal."""
 
-    channels: Annotated[tuple[str, ...], BeforeValidator(_names), AfterValidator(_once)] = ()
+    channels: Annotated[tuple[str, ...], AfterValidator(_once)] = ()
     """Names of the channels: axes of a vector ("x", "y", "z"), x, y, z, w of a quaternion; left out: all. A
     scalar signal has one channel without a name."""
 

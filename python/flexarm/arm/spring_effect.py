@@ -20,14 +20,14 @@ from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.arm.rotation import Vector
-from flexarm.tables import Inconsistent, Number, Vector2
+from flexarm.tables import Inconsistent, Number, Vector2, to_python
 
 
 def one_or_two(unit: str, positive: bool) -> BeforeValidator:
     """Return a check of one number, or of two for two axes, in a unit."""
 
     def check(value: Any) -> Any:
-        value = value.tolist() if hasattr(value, "tolist") else value
+        value = to_python(value)
         numbers = tuple(value) if isinstance(value, list | tuple) else (value,)
         right = all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers)
         if len(numbers) not in (1, 2) or not right:

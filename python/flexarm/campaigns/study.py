@@ -15,12 +15,13 @@ from flexarm.tables import (
     Number,
     Numbers,
     Table,
+    Texts,
     Vector2,
     check_table,
     read_toml,
     value_in,
 )
-from flexarm.tables.table import Whole
+from flexarm.tables.table import Whole, one_or_more
 
 FORMAT = "flexarm-study/1"
 Kind = Literal["simulate", "static", "modes", "diagnose"]
@@ -29,11 +30,6 @@ Found = list[tuple[tuple[str | int, ...], str]]
 """Pairs of place and sentence."""
 
 
-def _texts(value: Any) -> Any:
-    return (value,) if isinstance(value, str) else tuple(value) if isinstance(value, list) else value
-
-
-Texts = Annotated[tuple[str, ...], BeforeValidator(_texts)]
 JointValues = Annotated[dict[str, Number], AfterValidator(FrozenDict)]
 
 _SHAPES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -148,7 +144,7 @@ class Keep(Table):
     """As of a sensor."""
     rate_hz: Number | None = value_in("Hz", "samples a second", None, gt=0)
     """Samples a second of a simulation that are kept."""
-    statistics: Annotated[tuple[Statistic, ...], BeforeValidator(_texts)] = ()
+    statistics: Annotated[tuple[Statistic, ...], BeforeValidator(one_or_more)] = ()
     """Of the length of the deviation from the nominal run, at every step; of a scalar "final" has a sign."""
     tolerance: Number | None = value_in("SI", "greatest deviation that is allowed", None, gt=0)
     """Greatest deviation from the nominal run that is allowed, for the yield."""

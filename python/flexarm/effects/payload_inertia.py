@@ -19,7 +19,7 @@ from pydantic import BeforeValidator, model_validator
 from flexarm.arm.effect import Effect
 from flexarm.arm.inertia import impossible, inertia_matrix
 from flexarm.arm.prior import Prior
-from flexarm.tables import Inconsistent, Number, Vector3, value_in
+from flexarm.tables import Inconsistent, Number, Vector3, to_python, value_in
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def _one_or_three(value: Any) -> Any:
-    value = value.tolist() if hasattr(value, "tolist") else value
+    value = to_python(value)
     numbers = tuple(value) if isinstance(value, list | tuple) else (value,)
     right = all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers)
     if len(numbers) not in (1, 3) or not right:

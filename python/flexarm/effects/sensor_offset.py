@@ -15,11 +15,11 @@ from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ChannelEffect, Channels, Measured, Vector
 from flexarm.arrays import Floats
 from flexarm.quantities import channel_names
-from flexarm.tables import value_in
+from flexarm.tables import to_python, value_in
 
 
 def _number_or_three(value: Any) -> Any:
-    value = value.tolist() if hasattr(value, "tolist") else value
+    value = to_python(value)
     each = list(value) if isinstance(value, list | tuple) else [value]
     fits = len(each) == 3 or not isinstance(value, list | tuple)
     if not fits or not all(isinstance(x, int | float) and not isinstance(x, bool) for x in each):

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from flexarm.arm.sensor import Measurement
 from flexarm.quantities import FRAMED
 from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
-from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table, value_in
+from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table, Texts, value_in
 from flexarm.tables.table import Whole
 
 
@@ -36,15 +36,8 @@ def _as_frame(value: Any) -> Any:
     return value
 
 
-def _as_tuple(value: Any) -> Any:
-    if isinstance(value, str):
-        return (value,)
-    return tuple(value) if isinstance(value, list) else value
-
-
 Settings = Annotated[dict[Name, Number], AfterValidator(FrozenDict)]
 """Values of a controller by key, such as its gains."""
-Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
 Clocks = Annotated[dict[Name, Annotated[Clock, BeforeValidator(_as_clock)]], AfterValidator(FrozenDict)]
 Frames = Annotated[dict[Name, Annotated[Frame, BeforeValidator(_as_frame)]], AfterValidator(FrozenDict)]
 
@@ -60,7 +53,7 @@ class SignalTable(Measurement):
     """Unit of the stamps, default s."""
     pose: str | None = None
     """Name of the column of poses, in a record of poses."""
-    channels: Names = Field((), description="names of the columns of values")
+    channels: Texts = Field((), description="names of the columns of values")
     """Names of the columns of values; of a frequency response real and imaginary part, one after the
     other."""
     frequency: str | None = None
@@ -105,7 +98,7 @@ class RunTable(Table):
     description: str = ""
     kind: Literal["motion", "static", "frequency_response"] = "motion"
     initial: Literal["equilibrium", "moving"] = "equilibrium"
-    drive: Names = ()
+    drive: Texts = ()
     joints: Annotated[dict[Name, Number], AfterValidator(FrozenDict)] = FrozenDict()
     payloads: Annotated[dict[Name, CarriedPayload], AfterValidator(FrozenDict)] = FrozenDict()
     controllers: Annotated[dict[Name, Settings], AfterValidator(FrozenDict)] = FrozenDict()

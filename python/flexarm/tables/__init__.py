@@ -6,7 +6,17 @@ file into tables or into one `InvalidFile` that lists all that is wrong.
 
 from flexarm.tables.check import check_table, parameter_error, refuse
 from flexarm.tables.field import Inconsistent, component_names, unit_of, value_in
-from flexarm.tables.table import FrozenDict, Name, Number, Numbers, Table, Vector2, Vector3
+from flexarm.tables.table import (
+    FrozenDict,
+    Name,
+    Number,
+    Numbers,
+    Table,
+    Texts,
+    Vector2,
+    Vector3,
+    to_python,
+)
 from flexarm.tables.toml import read_toml, toml_text
 
 __all__ = [
@@ -16,6 +26,7 @@ __all__ = [
     "Number",
     "Numbers",
     "Table",
+    "Texts",
     "Vector2",
     "Vector3",
     "check_table",
@@ -23,6 +34,7 @@ __all__ = [
     "parameter_error",
     "read_toml",
     "refuse",
+    "to_python",
     "toml_text",
     "unit_of",
     "value_in",

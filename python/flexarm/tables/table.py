@@ -44,19 +44,19 @@ class FrozenDict(dict[Key, Value]):
         return type(self), (dict(self),)
 
 
-def _plain(value: Any) -> Any:
-    """NumPy scalars and arrays as Python numbers and lists, anything else unchanged."""
+def to_python(value: Any) -> Any:
+    """Return NumPy scalars and arrays as Python numbers and lists, anything else unchanged."""
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _list(value: Any) -> Any:
-    value = _plain(value)
-    return tuple(value) if isinstance(value, list) else value
+def one_or_more(value: Any) -> Any:
+    """Return a text that stands without brackets as one of a tuple, anything else unchanged."""
+    return (value,) if isinstance(value, str) else value
 
 
 def _list_of(count: int) -> BeforeValidator:
     def check(value: Any) -> Any:
-        value = _plain(value)
+        value = to_python(value)
         if not isinstance(value, list | tuple) or len(value) != count:
             raise ValueError(f"must be a list of {count} numbers, got {value!r}")
         return tuple(value)
@@ -90,13 +90,14 @@ def check_name(name: str) -> str:
     return check_label(name)
 
 
-Number = Annotated[float, Strict(), BeforeValidator(_plain)]
-Whole = Annotated[int, Strict(), BeforeValidator(_plain)]
+Number = Annotated[float, Strict(), BeforeValidator(to_python)]
+Whole = Annotated[int, Strict(), BeforeValidator(to_python)]
 Name = Annotated[str, AfterValidator(check_name)]
 Label = Annotated[str, AfterValidator(check_label)]
-Numbers = Annotated[tuple[Number, ...], BeforeValidator(_list)]
+Numbers = Annotated[tuple[Number, ...], BeforeValidator(to_python)]
 Vector2 = Annotated[tuple[Number, Number], _list_of(2)]
 Vector3 = Annotated[tuple[Number, Number, Number], _list_of(3)]
+Texts = Annotated[tuple[str, ...], BeforeValidator(one_or_more)]
 
 
 @cache
