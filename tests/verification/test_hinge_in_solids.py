@@ -25,7 +25,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 import flexarm
 from flexarm import _core as typed_core
 from flexarm.mockup import HingeDesign, SolidHinge, build_hinge, solid_arm
-from flexarm.mockup.meshes import hinge_meshes
+from flexarm.mockup.meshes import MESHERS
 
 core: Any = typed_core
 SEGMENTS = 8
@@ -76,7 +76,8 @@ class Full:
         self.at = {name: 6 * i for i, name in enumerate(names)}
         self.n = 6 * len(names)
         K, M = [], []
-        for name, part in hinge_meshes(design).items():
+        for name, mesher in MESHERS.items():
+            part = mesher(design)
             T = self._ties(name, part, frame)
             lower = core.assemble_solids(part.mesh.core())
             for found, matrix in zip((K, M), lower, strict=True):

@@ -160,7 +160,9 @@ def _runner(study: Study, arm: Arm, cases: tuple[Case, ...]) -> Prepared:
         return simulate_run(study, arm, cases)
     if study.run == "diagnose":
         return diagnose_run(study, cases)
-    return static_run(study, arm) if study.run == "static" else modes_run(study, arm)
+    if study.run == "static":
+        return static_run(study, arm)
+    return modes_run(study, arm)
 
 
 def _remarks(study: Study) -> Iterator[Problem]:

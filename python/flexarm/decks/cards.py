@@ -19,8 +19,8 @@ from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.reading import Includes, any_text
 
-#: Largest number of a grid or cell that Nastran allows.
 MOST = 999_999_999
+"""Largest number of a grid or cell that Nastran allows."""
 
 
 @dataclass
@@ -102,13 +102,9 @@ def cards(path: Path, includes: Includes | None = None) -> Iterator[Card]:
 
 def _split(line: str) -> tuple[str, list[str]]:
     """Name and fields of one line, without the field that only announces a continuation."""
-    if "," in line:
-        name, *fields = (field.strip() for field in line.split(","))
-        width = 4 if name.endswith("*") or name.startswith("*") else 8
-    else:
-        name = line[:8].strip()
-        wide = name.endswith("*") or name.startswith("*")
-        width, step = (4, 16) if wide else (8, 8)
+    name, *fields = (field.strip() for field in (line.split(",") if "," in line else [line[:8]]))
+    width, step = (4, 16) if name.endswith("*") or name.startswith("*") else (8, 8)
+    if "," not in line:
         fields = [line[i : i + step].strip() for i in range(8, min(len(line), 72), step)]
     return name, (fields + [""] * width)[:width]
 

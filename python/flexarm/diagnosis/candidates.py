@@ -245,8 +245,8 @@ FINE = 4.0
 """Frequencies a width of a peak, which is one over the length of the record."""
 
 
-def dominant_frequencies(rest: Floats, problem: Problem, most: int = 3) -> list[float]:
-    """Return the `most` frequencies [Hz] at which a residual swings most, the strongest first."""
+def dominant_frequencies(rest: Floats, problem: Problem) -> list[float]:
+    """Return the three frequencies [Hz] at which a residual swings most, the strongest first."""
     motions = [each for each in problem.rows if problem.records[each.record].kind == "motion"]
     length = problem.seconds
     if length <= 0:
@@ -263,6 +263,6 @@ def dominant_frequencies(rest: Floats, problem: Problem, most: int = 3) -> list[
     for k in np.argsort(-power):
         if all(abs(frequency[k] - other) > width for other in found):
             found.append(float(frequency[k]))
-        if len(found) == most:
+        if len(found) == 3:
             break
     return found

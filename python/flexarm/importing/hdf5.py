@@ -29,11 +29,8 @@ def _unpacked(values: Array, attributes: Mapping[str, Any]) -> Array:
             if (values == fill).any():
                 values = np.where(values == fill, np.nan, values)
     if "scale_factor" in attributes or "add_offset" in attributes:
-        scale, offset = (
-            np.asarray(attributes.get(key, default)).item()
-            for key, default in (("scale_factor", 1.0), ("add_offset", 0.0))
-        )
-        values = values * scale + offset
+        scale, offset = attributes.get("scale_factor", 1.0), attributes.get("add_offset", 0.0)
+        values = values * np.asarray(scale).item() + np.asarray(offset).item()
     return values
 
 

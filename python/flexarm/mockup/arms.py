@@ -53,14 +53,19 @@ def bench_arm(hinge: SolidHinge, like: Arm) -> Arm:
     housing, hub = hinge.parts["housing"], hinge.parts["hub"]
     drive = like.joint("hinge").to_plain()
     span = hub.interface("input")[1] - housing.interface("seat")[1]
+    reducer = {
+        "name": "reducer",
+        "link": "housing:seat",
+        "position": [0.0, 0.0, 0.0],
+        "mass": hinge.parts["reducer"].mass_total,
+    }
     tables: Tables = {
         "joints": [
             _mount(hinge),
             {**drive, "parent": "housing:seat", "child": "hub:input", "origin": {"xyz": span.tolist()}},
-            _weld(),
         ],
         "links": [_part(hinge, "housing"), _part(hinge, "hub")],
-        "payloads": [*_rigid_bodies(hinge), _reducer_mass(hinge)],
+        "payloads": [*_rigid_bodies(hinge), reducer],
         "sensors": [sensor.to_plain() for sensor in like.sensors],
         "controllers": [controller.to_plain() for controller in like.controllers],
     }
@@ -77,9 +82,8 @@ def bench_arm(hinge: SolidHinge, like: Arm) -> Arm:
 def shaft_stiffness(hinge: SolidHinge) -> float:
     """Return the torsional stiffness of the reducer between its interfaces, all else free [N m/rad]."""
     part = hinge.parts["reducer"]
-    about_axis = 6 + 4  # rotation about y of the second interface, the first one held
-    held = part.stiffness[6:12, 6:12]
-    return float(1 / np.linalg.inv(held)[about_axis - 6, about_axis - 6])
+    held = part.stiffness[6:12, 6:12]  # of the second interface, the first one held
+    return float(1 / np.linalg.inv(held)[4, 4])  # rotation about y
 
 
 def hinge_tables(hinge: SolidHinge, ratio: float = 120.0) -> Tables:
@@ -127,13 +131,13 @@ def _with_tube(tables: Tables, like: Arm, hinge: SolidHinge, name: str) -> Table
     shorter = tube.replace(end=_from(tube.end, start))
     loads = [{**load.to_plain(), "position": _from(load.position, start)} for load in like.payloads]
     points = [{**point.to_plain(), "position": _from(point.position, start)} for point in like.points]
-    joints = [*tables["joints"], *([] if _weld() in tables["joints"] else [_weld()])]
+    weld = {"name": "weld", "type": "fixed", "parent": "hub:output", "child": "tube"}
     return {
         "format": "flexarm-arm/1",
         "gravity": list(like.gravity),
         **tables,
         "name": name,
-        "joints": joints,
+        "joints": [*tables["joints"], weld],
         "links": [*tables["links"], shorter.to_plain()],
         "payloads": [*tables["payloads"], *loads],
         "points": points,
@@ -157,10 +161,6 @@ def _mount(hinge: SolidHinge) -> Tables:
     }
 
 
-def _weld() -> Tables:
-    return {"name": "weld", "type": "fixed", "parent": "hub:output", "child": "tube"}
-
-
 def _part(hinge: SolidHinge, name: str) -> Tables:
     return {"name": name, "type": "superelement", "file": str(hinge.file(name))}
 
@@ -175,11 +175,6 @@ def _rigid_bodies(hinge: SolidHinge) -> list[Tables]:
         {"name": "ring-fixed", "link": "housing:seat", **ring},
         {"name": "ring-turning", "link": "hub:input", **ring},
     ]
-
-
-def _reducer_mass(hinge: SolidHinge) -> Tables:
-    mass = hinge.parts["reducer"].mass_total
-    return {"name": "reducer", "link": "housing:seat", "position": [0.0, 0.0, 0.0], "mass": mass}
 
 
 FOLDER = Path(__file__).parent

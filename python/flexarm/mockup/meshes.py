@@ -89,11 +89,6 @@ MESHERS = {"housing": housing, "reducer": reducer, "hub": hub}
 """Function of each part of `flexarm.mockup.design.PARTS`."""
 
 
-def hinge_meshes(design: HingeDesign) -> dict[str, MeshedPart]:
-    """Return the meshes of all three groups."""
-    return {name: mesher(design) for name, mesher in MESHERS.items()}
-
-
 def _turned(design: HingeDesign, blocks: list[Block], patches: list[Patch]) -> SolidMesh:
     mesh = revolved(
         blocks, size=design.mesh.size, around=design.mesh.around, patches=patches, material=design.steel

@@ -56,7 +56,8 @@ def _noise(signal: Signal, stated: float) -> Iterable[str]:
     finer = 20.0  # step of readings over the stated noise
     # Stated noise over (1): what lasts longer than a twentieth of a second may be ten times as much.
     loud = 30.0
-    scatter, shown = _scatter(signal), float(np.max(np.nanstd(signal.values, axis=0)))
+    scatter = max(_bound(signal, column) for column in signal.values.T)
+    shown = float(np.max(np.nanstd(signal.values, axis=0)))
     part = PART if signal.quantity in STEADY else PART_ELSE
     if scatter > NONE * stated and stated > max(loud * scatter, part * shown):
         yield (
@@ -80,19 +81,11 @@ def _step(signal: Signal) -> float:
     return max(quantisation_step(column) for column in signal.values.T)
 
 
-def _scatter(signal: Signal) -> float:
-    """Return the greatest noise that the channels can have by (1), 0 where they do not tell."""
-    return max(_bound(signal, column) for column in signal.values.T)
-
-
 def _bound(signal: Signal, values: Floats) -> float:
-    """Return the least s of (1) that the orders leave one channel."""
-    # Share of readings that repeat the one before from which on a coarse sensor scatters less than its
-    # steps.
-    repeats = 0.5
-    orders = (1, 2, 3)  # k of (1); the least bound counts
+    """Return the greatest noise that a channel can have by (1), the least s of its orders; 0 if unknown."""
+    repeats = 0.5  # share of readings equal to the one before, above which a coarse sensor hides its scatter
     found = []
-    for order in orders if signal.pose is None else (1,):
+    for order in (1, 2, 3) if signal.pose is None else (1,):  # k of (1)
         steps = _differences(signal, values, order)
         steps = steps[np.isfinite(steps)]
         if len(steps) < FEW or (order == 1 and np.mean(steps == 0) >= repeats):

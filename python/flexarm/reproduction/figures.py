@@ -78,7 +78,7 @@ def positions(table: Table) -> Figure:
     for ax, axis, text in zip(
         axes, "zx", ("vertical position z [m]", "horizontal position x [m]"), strict=True
     ):
-        _three(ax, table, axis, every=10)
+        _draw_tip(ax, table, axis)
         ax.set_ylabel(text)
     axes[-1].set(xlabel="time [s]", xlim=(0, table["time_s"].values[-1]))
     _legend(axes[0])
@@ -173,13 +173,14 @@ def _enlarge(ax: Axes, table: Table, window: tuple[float, float], title: str) ->
     ax.set(xlim=window, ylim=(low - 0.06 * (high - low), high + 0.06 * (high - low)), title=title)
 
 
-def _three(ax: Axes, table: Table, axis: str, every: int) -> None:
+def _draw_tip(ax: Axes, table: Table, axis: str) -> None:
+    """Draw a coordinate of the tip: rigid arm, model and virtual measurement."""
     time = table["time_s"].values
     ax.plot(
         time, table[f"rigid_{axis}_m"].values, "--", color=RIGID, label="rigid arm at the encoder's angle"
     )
     ax.plot(time, table[f"model_{axis}_m"].values, color=MODEL, label="finite-element model")
-    _dots(ax, time, table[f"measured_{axis}_m"].values, every)
+    _dots(ax, time, table[f"measured_{axis}_m"].values, every=10)
 
 
 def _dots(ax: Axes, time: Floats, values: Floats, every: int = 1, size: float = 3.2) -> None:

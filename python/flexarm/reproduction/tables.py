@@ -135,9 +135,9 @@ def tangential_error(study: Study) -> Table:
     }
 
 
-def zoom_window(study: Study, seconds: float = 4.5) -> tuple[float, float]:
+def zoom_window(study: Study) -> tuple[float, float]:
     """Return where the vertical error is largest and the tip vibrates: near the first reversal [s]."""
-    turn = study.experiment.period / 4
+    turn, seconds = study.experiment.period / 4, 4.5
     return turn - 0.7 * seconds, turn + 0.3 * seconds
 
 

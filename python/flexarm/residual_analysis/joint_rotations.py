@@ -206,7 +206,7 @@ def _channels(pairs: Mapping[str, AlignedRecord], joints: list[str], same: float
     )
 
 
-def _rotations(rows: _Channels, iterations: int = 60) -> tuple[Floats, Floats]:
+def _rotations(rows: _Channels) -> tuple[Floats, Floats]:
     """Return d and C_jj at every instant, shapes (n, joint), by (2) and (3)."""
     n, joints = len(rows.time), rows.jacobian.shape[1]
     normal, right = np.zeros((n, joints, joints)), np.zeros((n, joints))
@@ -217,7 +217,7 @@ def _rotations(rows: _Channels, iterations: int = 60) -> tuple[Floats, Floats]:
     size = np.where(lever > 0, np.sqrt(mean_square) / np.where(lever > 0, lever, 1.0), 0.0)
     least = max(rows.noise, 1e-6 * float(np.sqrt(mean_square))) ** 2
     square, variance = size**2, max(least, 0.01 * mean_square)
-    for _ in range(iterations):
+    for _ in range(60):
         # C = s (1 + s N s/sigma^2)^-1 s, N = J^T J: a joint whose s vanishes needs no infinite weight
         s = np.sqrt(square)
         inner = np.linalg.inv(np.eye(joints) + s[:, None] * normal * s / variance)

@@ -88,13 +88,13 @@ def quiet_band_noise(time: Floats, values: Floats) -> float | None:
     return float(np.sqrt(np.quantile(squares, 0.25) / chdtri(k, 0.75)))  # eq. (1)
 
 
-def _without_sines(time: Floats, values: Floats, most: int = 8) -> tuple[Floats, int]:
-    """Return values without their strongest sines, and the degrees of freedom taken from each channel."""
+def _without_sines(time: Floats, values: Floats) -> tuple[Floats, int]:
+    """Return values without their strongest sines, at most eight, and the freedoms taken of each channel."""
     step = float(np.median(np.diff(time)))
     place = np.round((time - time[0]) / step).astype(np.intp)
     grid = np.zeros((place[-1] + 1, values.shape[1]))
     columns, rest = np.empty((len(time), 0)), values
-    for _ in range(most):
+    for _ in range(8):
         grid[place] = rest
         powers = np.sum(np.abs(np.fft.rfft(grid, 4 * len(grid), axis=0)) ** 2, axis=1)
         peak = int(np.argmax(powers))

@@ -3,8 +3,8 @@
     residual = motor orders + parts by band,    orthogonal to each other in every record              (1)
 
 so the squares of the parts add up to those of the residual. Motor orders come first: in the motor's angle
-they are few columns, whatever their frequencies (`residual_analysis.spectrum`,
-`residual_analysis.spectrum`). A part with k of n degrees of freedom has the share k/n of white noise.
+they are few columns, whatever their frequencies (`residual_analysis.spectrum`). A part with k of n degrees
+of freedom has the share k/n of white noise.
 """
 
 from __future__ import annotations

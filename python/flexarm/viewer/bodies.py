@@ -81,7 +81,7 @@ class Bodies:
     def _link(self, link: Link) -> Iterator[Skin]:
         bones = self.skeleton.along[link.name]
         if isinstance(link, Beam):
-            yield beam_skin(link, bones, "beams", STYLE.beam)
+            yield beam_skin(link, bones, STYLE.beam)
             yield from self._triad(bones[0], link.name)
         elif isinstance(link, SuperElementLink):
             yield from part_skins(link.name, link.part, bones, self.size, self.meshes.get(link.name))

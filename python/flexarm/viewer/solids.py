@@ -166,7 +166,7 @@ def triangles(faces: list[tuple[int, ...]]) -> Ints:
 # ----------------------------------------------------------------------------------------------------- beams
 
 
-def beam_skin(link: Beam, bones: list[int], layer: str, colour: str) -> Skin:
+def beam_skin(link: Beam, bones: list[int], colour: str) -> Skin:
     """Return a beam along its bones, with its section.
 
     A general section is drawn as the round bar or the rectangle of its area and second moments.
@@ -176,7 +176,7 @@ def beam_skin(link: Beam, bones: list[int], layer: str, colour: str) -> Skin:
     per_ring = len(outline)
     ring = np.repeat(bones, per_ring)
     bone = np.concatenate([ring, np.full(per_ring, bones[0]), np.full(per_ring, bones[-1])])
-    return Skin(layer, link.name, bone[:, None], along.corners[:, None], along.faces, colour)
+    return Skin("beams", link.name, bone[:, None], along.corners[:, None], along.faces, colour)
 
 
 def section_axes(link: Beam) -> tuple[tuple[float, float, float], ...]:

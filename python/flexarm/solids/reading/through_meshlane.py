@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import redirect_stderr
 from io import StringIO
 from pathlib import Path
@@ -15,13 +15,10 @@ from flexarm.errors import InvalidFile
 from flexarm.solids.reading.content import Block, Content
 
 
-def read_by(
-    reader: Callable[[Path], Content], path: Path, what: str, remedies: Mapping[str, str] | None = None
-) -> Content:
+def read_by(reader: Callable[[Path], Content], path: Path, what: str) -> Content:
     """Read a file that should be `what` with a reader that uses meshlane.
 
-    It may call the readers of meshlane's formats; `meshlane.read` would leave the program where it fails. For
-    a part of a message of meshlane, `remedies` say what the user can do.
+    It may call the readers of meshlane's formats; `meshlane.read` would leave the program where it fails.
     """
     try:
         with redirect_stderr(StringIO()), catch_warnings():
@@ -34,8 +31,7 @@ def read_by(
         raise
     except Exception as error:  # a reader fails in any way on a file that is cut off or of another kind
         reason = " ".join(f"{type(error).__name__}: {error}".split())
-        remedy = next((f"; {told}" for part, told in (remedies or {}).items() if part in reason), "")
-        raise InvalidFile(path, "mesh", f"cannot be read as a {what} ({reason}){remedy}") from error
+        raise InvalidFile(path, "mesh", f"cannot be read as a {what} ({reason})") from error
 
 
 def blocks_of(mesh: Any) -> list[Block]:
