@@ -62,6 +62,16 @@ def test_a_mesh_in_another_order_of_nodes_is_told_so():
         wrong.check()
 
 
+def test_inverted_cells_with_middle_nodes_hint_at_a_curved_surface():
+    mesh = ring(0.1, 0.2, 0.1, size=0.05, around=24, order=2, material=STEEL)
+    cells = mesh.cells["hex20"]
+    points = mesh.points.copy()
+    middle = cells[0, 8]
+    points[middle] += 2 * (points[cells[0, 6]] - points[middle])  # beyond the opposite corner
+    with pytest.raises(InvalidParameter, match=r"of 96 cells are inverted .*; if their middle nodes follow"):
+        _changed(mesh, points=points).check()
+
+
 def test_flat_cells_have_no_volume():
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0]], float)
     mesh = SolidMesh(points, {"tet4": np.array([[0, 1, 2, 3], [0, 1, 4, 2]])}).with_materials(STEEL)

@@ -65,11 +65,12 @@ def _inverted(mesh: SolidMesh) -> Iterator[Problem]:
     for kind, values in smallest_jacobians(mesh).items():
         flat, inverted = np.flatnonzero(np.abs(values) <= FLAT), np.flatnonzero(values < -FLAT)
         if len(inverted):
-            whole = "; as all are, their nodes are in another order" if len(inverted) == len(values) else ""
+            whole = len(inverted) == len(values)
+            hint = "; as all are, their nodes are in another order" if whole else _CURVED.get(kind, "")
             yield Problem(
                 f"cells.{kind}",
                 f"{len(inverted)} of {len(values)} cells are inverted (negative volume): "
-                f"{_cells(mesh, kind, inverted)}{whole}",
+                f"{_cells(mesh, kind, inverted)}{hint}",
             )
         if len(flat):
             what = f"{len(flat)} of {len(values)} cells have no volume: {_cells(mesh, kind, flat)}"
