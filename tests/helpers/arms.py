@@ -1,6 +1,6 @@
 """Arms and motions that several tests share, and the fit of an order of convergence."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -105,6 +105,33 @@ def crane(**more: object) -> flexarm.Arm:
         "points": [point("tip", "rod", [0, 0, LENGTH])],
     }
     return arm(**{**tables, **more})
+
+
+def rod_arm(sensors: Sequence[dict | Sensor], damping_ratio: float = 0.0, **more: object) -> flexarm.Arm:
+    """A tube of 3 m on a hinge with a gear, its tip a point, and sensors."""
+    tables = {
+        "joints": [hinge("hinge", "rod", gear_ratio=120)],
+        "links": [beam("rod", [0, 0, LENGTH], TUBE, damping_ratio=damping_ratio)],
+        "points": [point("tip", "rod", [0, 0, LENGTH])],
+        "sensors": sensors,
+    }
+    return arm(**{**tables, **more})
+
+
+def waist_and_elbow(tip: dict, **more: object) -> flexarm.Arm:
+    """A post that turns and a rod on it, an encoder of each, and a tracker of the `tip` in its own frame."""
+    tip = {"name": "tip", "quantity": "position", "point": "tip", "frame": "tracker", "rate_hz": 20, **tip}
+    joints = ("waist", "elbow")
+    return arm(
+        joints=[hinge("waist", "post", axis=[0, 0, 1]), hinge("elbow", "rod", parent="post", at="end")],
+        links=[beam("post", [0, 0, 1.0], TUBE), beam("rod", [1.5, 0, 0.0], TUBE, up=[0, 0, 1])],
+        points=[point("tip", "rod", [1.5, 0, 0])],
+        sensors=[
+            *({"name": name, "quantity": "joint_angle", "joint": name, "rate_hz": 50} for name in joints),
+            tip,
+        ],
+        **more,
+    )
 
 
 def tracker(seen: str = "tip", rate_hz: float = 10, noise: float = 5e-5) -> Sensor:

@@ -2,22 +2,17 @@
 
 import numpy as np
 import pytest
-from arms import TUBE, beam, hinge, point, smooth_step
+from arms import rod_arm, smooth_step
 
 import flexarm
 from flexarm.arm.effect import read_effect
 from flexarm.budget import allows, current, limited, until
 
-ARM = flexarm.Arm.from_dict(
-    {
-        "joints": [{**hinge("hinge", "rod"), "gear_ratio": 120}],
-        "links": [beam("rod", [0, 0, 3.0], TUBE)],
-        "points": [point("tip", "rod", [0, 0, 3.0])],
-        "sensors": [
-            {"name": "hinge", "quantity": "joint_angle", "joint": "hinge", "rate_hz": 100, "noise_std": 5e-6},
-            {"name": "tip", "quantity": "position", "point": "tip", "rate_hz": 10, "noise_std": 5e-5},
-        ],
-    }
+ARM = rod_arm(
+    [
+        {"name": "hinge", "quantity": "joint_angle", "joint": "hinge", "rate_hz": 100, "noise_std": 5e-6},
+        {"name": "tip", "quantity": "position", "point": "tip", "rate_hz": 10, "noise_std": 5e-5},
+    ]
 )
 
 

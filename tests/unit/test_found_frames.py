@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from arms import TUBE, beam, hinge, point, smooth_step
+from arms import smooth_step, waist_and_elbow
 
 import flexarm
 from flexarm.measurement import Registration
@@ -13,27 +13,7 @@ from flexarm.measurement.frames import rotation_from_rpy
 from flexarm.record import Frame
 
 XYZ, RPY = (2.0, -1.5, 0.8), (0.3, -0.2, 1.1)
-ARM = flexarm.Arm.from_dict(
-    {
-        "joints": [hinge("waist", "post", axis=[0, 0, 1]), hinge("elbow", "rod", parent="post", at="end")],
-        "links": [beam("post", [0, 0, 1.0], TUBE), beam("rod", [1.5, 0, 0.0], TUBE, up=[0, 0, 1])],
-        "points": [point("tip", "rod", [1.5, 0, 0])],
-        "sensors": [
-            {"name": joint, "quantity": "joint_angle", "joint": joint, "side": "motor", "rate_hz": 50}
-            for joint in ("waist", "elbow")
-        ]
-        + [
-            {
-                "name": "tip",
-                "quantity": "position",
-                "point": "tip",
-                "frame": "tracker",
-                "rate_hz": 20,
-                "noise_std": 2e-5,
-            }
-        ],
-    }
-)
+ARM = waist_and_elbow({"noise_std": 2e-5})
 
 
 @pytest.fixture(scope="module")

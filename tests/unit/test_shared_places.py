@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from arms import TUBE, beam, compliance, hinge, point, smooth_step
+from arms import compliance, smooth_step, waist_and_elbow
 
 import flexarm
 from flexarm.measurement import ClockError, Registration
@@ -15,33 +15,8 @@ FAR = Registration(origin=(4.0, 1.0, 0.5), rpy=(0.0, 0.0, 2.0))
 
 
 def arm(*effects: dict, mass: float = 5.0) -> flexarm.Arm:
-    return flexarm.Arm.from_dict(
-        {
-            "joints": [
-                hinge("waist", "post", axis=[0, 0, 1]),
-                hinge("elbow", "rod", parent="post", at="end"),
-            ],
-            "links": [beam("post", [0, 0, 1.0], TUBE), beam("rod", [1.5, 0, 0.0], TUBE, up=[0, 0, 1])],
-            "payloads": [{"name": "load", "link": "rod", "position": [1.5, 0, 0], "mass": mass}],
-            "points": [point("tip", "rod", [1.5, 0, 0])],
-            "effects": list(effects),
-            "sensors": [
-                {"name": joint, "quantity": "joint_angle", "joint": joint, "side": "motor", "rate_hz": 50}
-                for joint in ("waist", "elbow")
-            ]
-            + [
-                {
-                    "name": "tip",
-                    "quantity": "position",
-                    "point": "tip",
-                    "frame": "tracker",
-                    "clock": "tracker",
-                    "rate_hz": 20,
-                    "noise_std": 5e-5,
-                }
-            ],
-        }
-    )
+    load = {"name": "load", "link": "rod", "position": [1.5, 0, 0], "mass": mass}
+    return waist_and_elbow({"clock": "tracker", "noise_std": 5e-5}, payloads=[load], effects=list(effects))
 
 
 SOFT = [compliance(joint, 8e4, 200.0) for joint in ("waist", "elbow")]

@@ -2,21 +2,17 @@
 
 import numpy as np
 import pytest
-from arms import TUBE, beam, hinge, point
+from arms import rod_arm
 
 import flexarm
 from flexarm.validation.sensor_check import check
 
-ARM = flexarm.Arm.from_dict(
-    {
-        "joints": [{**hinge("hinge", "rod"), "gear_ratio": 120}],
-        "links": [beam("rod", [0, 0, 3.0], TUBE, damping_ratio=0.01)],
-        "points": [point("tip", "rod", [0, 0, 3.0])],
-        "sensors": [
-            {"name": "hinge", "quantity": "joint_angle", "joint": "hinge", "side": "motor", "rate_hz": 50},
-            {"name": "tip", "quantity": "position", "point": "tip", "axes": ["x", "z"], "rate_hz": 100},
-        ],
-    }
+ARM = rod_arm(
+    [
+        {"name": "hinge", "quantity": "joint_angle", "joint": "hinge", "side": "motor", "rate_hz": 50},
+        {"name": "tip", "quantity": "position", "point": "tip", "axes": ["x", "z"], "rate_hz": 100},
+    ],
+    damping_ratio=0.01,
 )
 RESOLUTION = 1e-3
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from arms import TUBE, beam, hinge, point, smooth_step
+from arms import rod_arm, smooth_step
 
 import flexarm
 from flexarm.arm.effect import read_effect
@@ -39,16 +39,8 @@ EFFECTS = [
 
 
 def arm(**uncertainty: float) -> flexarm.Arm:
-    return flexarm.Arm.from_dict(
-        {
-            "joints": [{**hinge("hinge", "rod"), "gear_ratio": 120}],
-            "links": [beam("rod", [0, 0, 3.0], TUBE)],
-            "points": [point("tip", "rod", [0, 0, 3.0])],
-            "sensors": SENSORS,
-            "effects": EFFECTS,
-            "uncertainty": {f"effects.{key}": sigma for key, sigma in uncertainty.items()},
-        }
-    )
+    stated = {f"effects.{key}": sigma for key, sigma in uncertainty.items()}
+    return rod_arm(SENSORS, effects=EFFECTS, uncertainty=stated)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from arms import TUBE, beam, hinge, point, smooth_step
+from arms import rod_arm, smooth_step, tracker
 
 import flexarm
 from flexarm.arm.effect import read_effect
@@ -11,33 +11,13 @@ from flexarm.diagnosis.problem import Problem
 from flexarm.effects import FrameDrift, FrameScale
 from flexarm.record import Clock, Frame
 
-ARM = flexarm.Arm.from_dict(
-    {
-        "joints": [{**hinge("hinge", "rod"), "gear_ratio": 120}],
-        "links": [beam("rod", [0, 0, 3.0], TUBE, damping_ratio=0.01)],
-        "payloads": [{"name": "load", "link": "rod", "position": [0, 0, 3.0], "mass": 14.1}],
-        "points": [point("tip", "rod", [0, 0, 3.0])],
-        "sensors": [
-            {
-                "name": "hinge",
-                "quantity": "joint_angle",
-                "joint": "hinge",
-                "side": "motor",
-                "rate_hz": 100,
-                "noise_std": 5e-6,
-            },
-            {
-                "name": "tip",
-                "quantity": "position",
-                "point": "tip",
-                "axes": ["x", "z"],
-                "frame": "tracker",
-                "clock": "tracker",
-                "rate_hz": 20,
-                "noise_std": 5e-5,
-            },
-        ],
-    }
+ARM = rod_arm(
+    [
+        {"name": "hinge", "quantity": "joint_angle", "joint": "hinge", "rate_hz": 100, "noise_std": 5e-6},
+        tracker("tip", rate_hz=20),
+    ],
+    damping_ratio=0.01,
+    payloads=[{"name": "load", "link": "rod", "position": [0, 0, 3.0], "mass": 14.1}],
 )
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from arms import TUBE, beam, hinge, point, smooth_step
+from arms import rod_arm, smooth_step
 
 import flexarm
 from flexarm.diagnosis.policy import SelectionPolicy
@@ -27,15 +27,7 @@ ZERO = 2.4e-3
 
 
 def model(*effects):
-    return flexarm.Arm.from_dict(
-        {
-            "joints": [{**hinge("hinge", "rod"), "gear_ratio": 120}],
-            "links": [beam("rod", [0, 0, 3.0], TUBE)],
-            "points": [point("tip", "rod", [0, 0, 3.0])],
-            "sensors": SENSORS,
-            "effects": list(effects),
-        }
-    )
+    return rod_arm(SENSORS, effects=list(effects))
 
 
 def measured(*effects):
