@@ -160,7 +160,7 @@ def alternatives_of(
         before = min((f.cost for f in (null, *tried) if set(f.places) == set(fewer.places)), default=np.inf)
         wanted += _springs_elsewhere(known, wanted, best, before, probed, policy.halfway)
     limit = criteria.early_stop([best], fewer, policy.faint)
-    peer = next((f for f in reversed(tried) if set(f.places) == set(best.places)), best)
+    peer = _as_tried(best, tried)
     found = []
     for candidate in wanted:
         if not allows("all alternatives were fitted"):
@@ -235,6 +235,11 @@ def _near(
         for place, fit in known.items()
         if place not in there and log_bayes_factor(best, fit, problem) < problem.policy.close
     ]
+
+
+def _as_tried(best: Fit, tried: Sequence[Fit]) -> Fit:
+    """Return the chosen model as it was tried along with its alternatives, before its refinement."""
+    return next((f for f in reversed(tried) if set(f.places) == set(best.places)), best)
 
 
 def _springs_elsewhere(

@@ -56,9 +56,7 @@ def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Crite
         near = sorted(near, key=lambda f: press_rms(f, problem))
         close = _unlike(near)[:2]
     else:
-        close = [
-            f for f in others[:2] if log_bayes_factor(first, f, criteria.problem) < criteria.policy.close
-        ]
+        close = [f for f in others[:2] if _close(f, first, criteria)]
     there = dict(relinearised(fit, estimator) for fit in (first, *close))
     if not criteria.leaves_gap(first):
         there |= dict(_in_steps(fit, estimator) for fit in _unsettled(others, first, criteria))
@@ -110,6 +108,11 @@ def _unlike(fits: Sequence[Fit]) -> list[Fit]:
         at_pins = any(member.effect.pins_of_loops_only for member in fit.members)
         found.setdefault(tuple(member.name for member in fit.members) if at_pins else id(fit), fit)
     return list(found.values())
+
+
+def _close(fit: Fit, first: Fit, criteria: Criteria) -> bool:
+    """Return True if a fit may be as good as the first once it is relinearised."""
+    return log_bayes_factor(first, fit, criteria.problem) < criteria.policy.close
 
 
 Note = Callable[[str, float], object]
