@@ -33,7 +33,7 @@ FACTORS: dict[str, dict[str, float]] = {
     "N": {"N": 1, "mN": 1e-3, "kN": 1e3},
     "V": {"V": 1, "mV": 1e-3},
     "A": {"A": 1, "mA": 1e-3},
-    "Pa": {"Pa": 1, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "N/m2": 1},
+    "Pa": {"Pa": 1, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/mm2": 1e6, "N/m2": 1},
     "kg/m3": {"kg/m3": 1, "g/cm3": 1e3, "t/m3": 1e3, "t/mm3": 1e12, "kg/mm3": 1e9},
     "kg": {"kg": 1, "g": 1e-3, "t": 1e3},
     "s": {"s": 1, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60},

@@ -10,10 +10,11 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from flexarm.arm.sensor import Measurement
-from flexarm.quantities import FRAMED
+from flexarm.quantities import FRAMED, TORQUE
 from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
 from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table, Texts, value_in
-from flexarm.tables.table import Whole
+from flexarm.tables.table import Numbers, Whole
+from flexarm.units import si_factor
 
 
 def _as_clock(value: Any) -> Any:
@@ -66,15 +67,40 @@ class SignalTable(Measurement):
     """There: number of averages of the coherence."""
     zero_std: Number | None = value_in("unit", "1 sigma of the zero of the sensor", None, ge=0)
     """1 sigma of the zero of the sensor, in the unit of the values; not of places and attitudes."""
+    areas: Numbers = ()
+    """Of a `force` at a joint that slides, a cylinder: areas of its piston [m2] on which the pressures of
+    `channels` act, the one that extends the joint first. The force is the `motor_torque` from then on."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _pressures_as_force(cls, given: Any) -> Any:
+        if not isinstance(given, dict) or given.get("quantity") != "force" or "joint" not in given:
+            return given
+        if not given.get("areas"):
+            what = "is missing; force at a joint needs the areas [m2] on which the pressures act"
+            raise Inconsistent((("areas",), what))
+        return {"unit": "Pa", "side": "output", **given, "quantity": TORQUE}
 
     @property
     def si(self) -> tuple[str, float]:
         """SI unit of the values and the factor to it; a frequency response's is that of its record."""
+        if self.areas:
+            return "N", si_factor(self.unit or "Pa", ("Pa",))[1]
         return (self.spec.units[0], 1.0) if self.input is not None else super().si
 
     @model_validator(mode="after")
+    def _check_areas(self) -> Self:
+        if self.areas and self.quantity != TORQUE:
+            what = f"make pressures a force at a joint; {self.quantity} has none"
+            raise Inconsistent((("areas",), what))
+        if len(self.areas) > 2 or min(self.areas, default=1.0) <= 0:
+            what = f"must be one or two areas above 0 m2, got {list(self.areas)}"
+            raise Inconsistent((("areas",), what))
+        return self
+
+    @model_validator(mode="after")
     def _check_channels(self) -> Self:
-        wanted = self.spec.channels or len(self.directions)
+        wanted = len(self.areas) or self.spec.channels or len(self.directions)
         wanted = 2 * wanted if self.input is not None else wanted
         if self.channels and len(self.channels) != wanted:
             what = f"axes = {list(self.directions)}" if self.directions else self.quantity

@@ -74,8 +74,11 @@ class _Reader:
         self._check_columns(i, table)
         unit, factor = self._unit(table)
         for column in table.channels:
-            self._check_range(table.file, column, unit, factor)
+            self._check_range(table.file, column, "Pa" if table.areas else unit, factor)
         values = np.stack([self._column(table.file, name) for name in table.channels], axis=1) * factor
+        if table.areas:
+            acting = np.array(table.areas) * [1, -1][: len(table.areas)]
+            values, factor = values @ acting[:, None], factor * float(np.linalg.norm(acting))
         stamp = STAMPS[self.table.kind]
         if table.spec.has_side and "side" not in table.model_fields_set:
             self.notes.append(Problem(f"signals.{table.name}.side", 'is not given, taken as "motor"'))
@@ -97,7 +100,7 @@ class _Reader:
             jitter_std=table.jitter_std,
             clock=table.clock or reference,
             **table.located,
-            channels=table.channels,
+            channels=() if table.areas else table.channels,
             file=table.file,
             time_column=table.time or table.frequency or "",
         )
