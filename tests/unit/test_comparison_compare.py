@@ -356,6 +356,7 @@ def test_table_and_figure_tell_units_and_noise(run):
     found = compare(arm(), virtual(run))
     for word in ("tangential", "noise", "hinge (drive)", "delay of tracker", "Hz"):
         assert word in repr(found)
+    assert repr(found.signals["tip"]).startswith("<SignalGap 'tip': ")
     figure, axes = plt.subplots()
     assert found.plot(ax=axes, signal="tip") is axes
     assert axes.get_ylabel() == "tip: measured - model [m]"

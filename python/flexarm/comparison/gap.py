@@ -61,6 +61,12 @@ class SignalGap:
             "noise_rms": self.noise_rms,
         }
 
+    def __repr__(self) -> str:
+        noise = "" if self.noise_rms is None else f", noise {self.noise_rms:.3g}"
+        rms = "none" if self.rms["total"] is None else f"{self.rms['total']:.3g}"
+        what = f"{len(self.time)} x {self.quantity} [{self.unit}]"
+        return f"<SignalGap {self.name!r}: {what}, rms {rms}{noise}>"
+
 
 def signal_gap(
     simulated: SimulatedRecord,
