@@ -5,16 +5,13 @@
 
 #include "bindings.hpp"
 #include "checks.hpp"
-#include "flexarm/simulation/cubic_spline.hpp"
 #include "flexarm/simulation/differentiated_run.hpp"
 #include "flexarm/simulation/differentiated_sampled_run.hpp"
 #include "flexarm/simulation/modal.hpp"
 #include "flexarm/simulation/modal_derivative.hpp"
-#include "flexarm/simulation/motion_samples.hpp"
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/sampled_run.hpp"
 #include "flexarm/simulation/side_by_side.hpp"
-#include "flexarm/simulation/spline_fit.hpp"
 #include "flexarm/simulation/transient.hpp"
 
 namespace py = pybind11;
@@ -150,6 +147,15 @@ void bind_statics(py::module_& m) {
       },
       "Force and moment that a closure puts on its link b at its place there, base axes.", py::arg("system"),
       py::arg("state"), py::arg("closure"));
+  m.def(
+      "closure_indeterminacy",
+      [](const System& system, const State& state, int closure) {
+        checks::fits(system, state);
+        checks::index("closure", closure, system.closures().size());
+        return system.closures().indeterminacy(static_cast<std::size_t>(closure), state.frames);
+      },
+      "Largest change of each entry of closure_force by unit forces that the loops do not tell.",
+      py::arg("system"), py::arg("state"), py::arg("closure"));
   py::class_<SectionForces>(m, "SectionForces", "Section forces at both ends of a beam.")
       .def_readonly("start", &SectionForces::start)
       .def_readonly("end", &SectionForces::end);
@@ -200,30 +206,6 @@ void bind_statics(py::module_& m) {
 
 void bind_transient(py::module_& m) {
   using flexarm::solvers::HhtStatistics;
-  py::class_<PiecewisePolynomial>(m, "PiecewisePolynomial",
-                                  "Piecewise polynomial as scipy.interpolate.PPoly.")
-      .def(py::init([](const Eigen::VectorXd& breaks, Eigen::MatrixXd coefficients) {
-             return PiecewisePolynomial({breaks.begin(), breaks.end()}, std::move(coefficients));
-           }),
-           py::arg("breaks"), py::arg("coefficients"))
-      .def_static("constant", &PiecewisePolynomial::constant, py::arg("value"))
-      .def(
-          "__call__", [](const PiecewisePolynomial& p, double t) { return p(t); },
-          "Value and two derivatives.", py::arg("t"));
-  m.def("cubic_spline", &cubic_spline, "Coefficients of the not-a-knot spline through samples.", py::arg("x"),
-        py::arg("y"));
-  m.def(
-      "spline_equations",
-      [](const SampleRef& time, const SampleRef& values, const BreakRef& breaks) {
-        auto found = spline_equations(time, values, breaks);
-        return std::pair(std::move(found.band), std::move(found.right));
-      },
-      "Normal equations of a cubic least-squares spline: lower band and right side.", py::arg("time"),
-      py::arg("values"), py::arg("breaks"));
-  m.def("sample_motion", &sample_motion, "Values of a motion at any instants, by cubics between its steps.",
-        py::arg("time"), py::arg("values"), py::arg("rates"), py::arg("instants"), py::arg("early"));
-  m.def("spline_values", &spline_values, "Values of a cubic spline at its samples.", py::arg("time"),
-        py::arg("breaks"), py::arg("coefficients"));
   py::class_<HhtStatistics>(m, "HhtStatistics", "Counts of a run.")
       .def_readonly("steps", &HhtStatistics::steps)
       .def_readonly("iterations", &HhtStatistics::iterations)

@@ -1,5 +1,5 @@
 /// @file
-/// One function a folder of the core, called in the order of the layers.
+/// Functions that bind parts of the core, called in the order of its layers.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -8,6 +8,7 @@ void bind_geometry(pybind11::module_& m);
 void bind_joints(pybind11::module_& m);
 void bind_model(pybind11::module_& m);
 void bind_assembly(pybind11::module_& m);
+void bind_splines(pybind11::module_& m);
 void bind_simulation(pybind11::module_& m);
 void bind_stepping(pybind11::module_& m);
 void bind_solids(pybind11::module_& m);

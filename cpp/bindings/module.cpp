@@ -68,6 +68,7 @@ PYBIND11_MODULE(_core, m) {
   bind_joints(m);
   bind_model(m);
   bind_assembly(m);
+  bind_splines(m);
   bind_simulation(m);
   bind_stepping(m);
   bind_solids(m);

@@ -84,6 +84,7 @@ __all__: list[str] = [
     "build_info",
     "check_step",
     "closure_force",
+    "closure_indeterminacy",
     "cubic_spline",
     "displaced",
     "exp6",
@@ -755,6 +756,24 @@ class System:
         Conditions of closures that others repeat.
         """
 
+class PiecewisePolynomial:
+    """
+    Piecewise polynomial as scipy.interpolate.PPoly.
+    """
+    @staticmethod
+    def constant(value: typing.SupportsFloat | typing.SupportsIndex) -> PiecewisePolynomial: ...
+    def __call__(
+        self, t: typing.SupportsFloat | typing.SupportsIndex
+    ) -> typing.Annotated[list[float], "FixedSize(3)"]:
+        """
+        Value and two derivatives.
+        """
+    def __init__(
+        self,
+        breaks: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"],
+        coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"],
+    ) -> None: ...
+
 class Equilibrium:
     """
     An equilibrium at rest.
@@ -794,24 +813,6 @@ class SectionForces:
     def end(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]: ...
     @property
     def start(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]: ...
-
-class PiecewisePolynomial:
-    """
-    Piecewise polynomial as scipy.interpolate.PPoly.
-    """
-    @staticmethod
-    def constant(value: typing.SupportsFloat | typing.SupportsIndex) -> PiecewisePolynomial: ...
-    def __call__(
-        self, t: typing.SupportsFloat | typing.SupportsIndex
-    ) -> typing.Annotated[list[float], "FixedSize(3)"]:
-        """
-        Value and two derivatives.
-        """
-    def __init__(
-        self,
-        breaks: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"],
-        coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"],
-    ) -> None: ...
 
 class HhtStatistics:
     """
@@ -1343,6 +1344,13 @@ def closure_force(
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
     """
     Force and moment that a closure puts on its link b at its place there, base axes.
+    """
+
+def closure_indeterminacy(
+    system: System, state: State, closure: typing.SupportsInt | typing.SupportsIndex
+) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[6, 1]"]:
+    """
+    Largest change of each entry of closure_force by unit forces that the loops do not tell.
     """
 
 def cubic_spline(

@@ -59,9 +59,12 @@ def test_a_flat_loop_of_rigid_links_in_space_repeats_three_conditions():
     found = flexarm.static(loops.crane(), {"piston": 0.4})
     assert found.solver["redundant_conditions"] == 3
     assert found.closure_force[0][[1, 3, 5]] == approx(0, abs=1e-6)
+    assert found.solver["indeterminate_forces"] == ("rod_eye force y, rod_eye moment x, rod_eye moment z")
     assert "repeat others" in found.summary()
+    assert "rod_eye moment x" in found.summary()
     flexible = flexarm.static(loops.crane(loops.beam("boom", 3.0, side=0.1)), {"piston": 0.4})
     assert flexible.solver["redundant_conditions"] == 0
+    assert flexible.solver["indeterminate_forces"] == ""
 
 
 @pytest.mark.parametrize("kind", ["revolute", "spherical", "universal", "cylindrical", "point_on_line"])
@@ -131,6 +134,7 @@ def test_two_props_of_a_rigid_bar_share_its_weight_by_their_levers():
     found = flexarm.static(arm)
     assert found.closure_force[:, 2] == approx([10 * G / 5, 10 * G * 2 / 5], rel=1e-12)
     assert found.solver["redundant_conditions"] == 5
+    assert "prop_0 force z" in found.solver["indeterminate_forces"]
     wall = {"name": "wall", "type": "fixed", "parent": "base", "child": "bar"}
     held = flexarm.static(flexarm.Arm.from_dict({**hinged, "joints": [wall]}))
     assert held.closure_force == approx(np.zeros((2, 6)))

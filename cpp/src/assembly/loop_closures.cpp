@@ -131,16 +131,27 @@ VectorXd LoopClosuresIn<D>::acceleration(const Frames& frames, const VectorXd& v
 }
 
 template <int D>
-geometry::Twist<D> LoopClosuresIn<D>::wrench_on_b(std::size_t k, const Frames& frames,
-                                                  const Eigen::Ref<const VectorXd>& mu) const {
+geometry::Twist<D> LoopClosuresIn<D>::wrench_of(std::size_t k, const Frames& frames,
+                                                const Conditions& lambda) const {
   const Closure& closure = closures_[k];
   if (slides_[k]) {
     TwistD wrench = TwistD::Zero();
-    wrench.template head<D>() = slides_[k]->force_on_b(frames, multipliers(k, mu));
+    wrench.template head<D>() = slides_[k]->force_on_b(frames, lambda);
     return wrench;
   }
-  return closure.wrench_on_b(frame(frames, closure.node_a()), frame(frames, closure.node_b()),
-                             multipliers(k, mu));
+  return closure.wrench_on_b(frame(frames, closure.node_a()), frame(frames, closure.node_b()), lambda);
+}
+
+template <int D>
+geometry::Twist<D> LoopClosuresIn<D>::indeterminacy(std::size_t k, const Frames& frames) const {
+  TwistD most = TwistD::Zero();
+  if (redundant() == 0) return most;
+  const MatrixXd along = MatrixXd::Identity(conditions(), conditions()) - P_ * P_.transpose();
+  for (int j = 0; j < conditions(); ++j) {
+    const Conditions lambda = along.col(j).segment(first_[k], size_of(k));
+    most = most.cwiseMax(wrench_of(k, frames, lambda).cwiseAbs());
+  }
+  return most;
 }
 
 template class LoopClosuresIn<2>;

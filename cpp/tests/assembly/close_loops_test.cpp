@@ -52,6 +52,16 @@ TEST_CASE(
   CHECK(System(arm, by_cylinder).closures().redundant() == 1);
 }
 
+TEST_CASE("Only the forces of a closure that the repeated conditions share are open") {
+  const auto indeterminacy = [](const System& system) {
+    return system.closures().indeterminacy(0, system.rigid_state({0, 0, 0.3}).frames);
+  };
+  CHECK(indeterminacy(System(crane_arm(), by_cylinder)).isZero(0));
+  const auto open = indeterminacy(System(rigid_crane_arm(), by_cylinder));  // in the plane x, z
+  for (const int across : {1, 3, 5}) CHECK(open[across] > 0.1);
+  for (const int within : {0, 2, 4}) CHECK(open[within] < 1e-12);
+}
+
 TEST_CASE("A loop that cannot be closed says how far it stays open") {
   auto arm = rigid_crane_arm();
   arm.closures[0].a_origin = Frame::translation({0, 0.05, 0.9});  // beside the plane of the boom

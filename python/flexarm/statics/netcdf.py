@@ -87,7 +87,7 @@ def stored(path: str | Path) -> dict[str, Any]:
     needed = [*_ALWAYS, *(["closure_force"] if arm.closures else [])]
     require(path, data, {**{name: _VARIABLES[name][0] for name in needed}, **of_parts}, counts(arm))
     told = ["backend", "iterations", "load_steps", "residual_N"]
-    told += ["redundant_conditions"] if arm.closures else []
+    told += [k for k in ("redundant_conditions", "indeterminate_forces") if k in data.attrs]
     with reading(path, "a stored equilibrium"):
         return {
             "arm": arm,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -68,7 +69,7 @@ def static(
             "iterations": found.equilibrium.iterations,
             "load_steps": found.equilibrium.load_steps,
             "residual_N": found.equilibrium.residual,
-            **({"redundant_conditions": held.system.redundant} if arm.closures else {}),
+            **(_loops_told(arm, held.system, found.equilibrium.state) if arm.closures else {}),
         },
         parts=_parts(arm, held.system, found.equilibrium.state),
         force=_forces(arm, forces) if forces else None,
@@ -81,6 +82,19 @@ def static(
 
 def _closure_forces(arm: Arm, system: _core.System, state: _core.State) -> Floats:
     return frozen([_core.closure_force(system, state, i) for i in range(len(arm.closures))])
+
+
+def _loops_told(arm: Arm, system: _core.System, state: _core.State) -> dict[str, Any]:
+    """Return what the conditions of the loops do not tell: how many repeat others, and whose forces."""
+    rounding = 1e-9  # of unit multipliers, N and N m
+    forces = [f"{what} {axis}" for what in ("force", "moment") for axis in "xyz"]
+    open_forces = [
+        f"{closure.name} {force}"
+        for i, closure in enumerate(arm.closures)
+        for force, change in zip(forces, _core.closure_indeterminacy(system, state, i), strict=True)
+        if change > rounding
+    ]
+    return {"redundant_conditions": system.redundant, "indeterminate_forces": ", ".join(open_forces)}
 
 
 def _rigid(arm: Arm, system: _core.System, values: list[float], driven: Collection[str]) -> Floats:

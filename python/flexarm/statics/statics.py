@@ -172,7 +172,8 @@ def summary(found: Statics) -> str:
     if found.solver.get("redundant_conditions"):
         lines.append(
             f"{found.solver['redundant_conditions']} conditions of the closures repeat others, as in flat "
-            "loops of rigid links; of the forces that fit, the smallest are told"
+            "loops of rigid links. Not unique, and the smallest that fit: "
+            f"{found.solver['indeterminate_forces']}"
         )
     force, moment = _text(found.base_wrench[:3]), _text(found.base_wrench[3:])
     lines.append(f"{'on the base':<16}{force:>36}{moment:>36}   about its origin, base axes")

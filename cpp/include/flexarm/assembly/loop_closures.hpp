@@ -74,7 +74,11 @@ class LoopClosuresIn {
   VectorXd acceleration(const Frames& frames, const VectorXd& v, const VectorXd& v_dot) const;
 
   /// Force and moment of a closure on b at the origin of B, base axes.
-  TwistD wrench_on_b(std::size_t k, const Frames& frames, const Eigen::Ref<const VectorXd>& mu) const;
+  TwistD wrench_on_b(std::size_t k, const Frames& frames, const Eigen::Ref<const VectorXd>& mu) const {
+    return wrench_of(k, frames, multipliers(k, mu));
+  }
+  /// Largest change of each entry of that wrench by unit multipliers along N; zero of what is unique.
+  TwistD indeterminacy(std::size_t k, const Frames& frames) const;
 
   /// Origin of B in the base.
   geometry::Point<D> place_on_b(std::size_t k, const Frames& frames) const {
@@ -97,6 +101,7 @@ class LoopClosuresIn {
     return node < 0 ? base : frames[static_cast<std::size_t>(node)];
   }
   int size_of(std::size_t k) const { return slides_[k] ? D - 1 : closures_[k].size(); }
+  TwistD wrench_of(std::size_t k, const Frames& frames, const Conditions& lambda) const;
   Eigen::Block<const MatrixXd> part(std::size_t k) const {  // rows of P of a closure
     return P_.middleRows(first_[k], size_of(k));
   }
