@@ -6,6 +6,20 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
+class PooledGap:
+    """Totals of a signal [its unit]; None where no record holds it, or no noise is stated."""
+
+    before_rms: float | None = None
+    after_rms: float | None = None
+    """Eq. (1) of `flexarm.comparison.pooled_gap`, of the nominal and of the updated model."""
+    noise_rms: float | None = None
+    """Gap that a model without an error would leave."""
+    before_max: float | None = None
+    after_max: float | None = None
+    """Greatest gap."""
+
+
+@dataclass(frozen=True)
 class ChannelStatistics:
     """Residual of a channel after the fit, with the discrepancy that was estimated for it."""
 

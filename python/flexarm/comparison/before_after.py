@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping
 from flexarm.arguments import NAMES, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.comparison.comparison import Comparison
-from flexarm.comparison.pooled_gap import PooledGap, pooled_gap
+from flexarm.comparison.pooled_gap import pooled_gap
+from flexarm.fit_statistics import PooledGap
 
 
 class BeforeAfter:

@@ -9,27 +9,14 @@ noise is pooled likewise; the greatest gap is the greatest of all.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from math import sqrt
 from typing import TYPE_CHECKING
+
+from flexarm.fit_statistics import PooledGap
 
 if TYPE_CHECKING:
     from flexarm.comparison.comparison import Comparison
     from flexarm.comparison.gap import SignalGap
-
-
-@dataclass(frozen=True)
-class PooledGap:
-    """Totals of a signal [its unit]; None where no record holds it, or no noise is stated."""
-
-    before_rms: float | None = None
-    after_rms: float | None = None
-    """Eq. (1) of the nominal and of the updated model."""
-    noise_rms: float | None = None
-    """Gap that a model without an error would leave."""
-    before_max: float | None = None
-    after_max: float | None = None
-    """Greatest gap."""
 
 
 def pooled_gap(

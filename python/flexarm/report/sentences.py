@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexarm.budget import ended_early
-from flexarm.comparison.pooled_gap import PooledGap
+from flexarm.fit_statistics import PooledGap
 from flexarm.wording import listed, number, place_words, probability, scale, signed, with_unit
 
 if TYPE_CHECKING:

@@ -7,10 +7,10 @@ import diagnoses
 import numpy as np
 import pytest
 
-from flexarm.comparison.pooled_gap import PooledGap
 from flexarm.diagnosis import naming
 from flexarm.diagnosis import naming as sentence
 from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.fit_statistics import PooledGap
 from flexarm.named_effects import Alternative, NamedEffect
 from flexarm.report.sentences import _change, headline, verdict_sentence
 
