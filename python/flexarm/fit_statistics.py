@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexarm.json_values import KnownOrNan
+
 
 @dataclass(frozen=True)
 class PooledGap:
@@ -28,11 +30,11 @@ class ChannelStatistics:
     channel: int
     """Whose rows they are; channel counts from 0."""
     rows: int
-    chi_square: float
+    chi_square: KnownOrNan
     """Mean square over that of the stated noise."""
     autocorrelation: float | None
     """Of neighbouring rows; None of poses, which have no order."""
-    discrepancy: float
+    discrepancy: KnownOrNan
     """1 sigma of the model discrepancy, over the stated noise."""
     length: float | None
     """Its correlation length [s]; None of poses, and without a discrepancy."""
@@ -43,7 +45,7 @@ class Correlation:
     """Correlation of two fitted parameters."""
 
     parameters: tuple[str, str]
-    value: float
+    value: KnownOrNan
 
 
 @dataclass(frozen=True)

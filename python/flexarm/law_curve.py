@@ -5,19 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+from flexarm.fit_statistics import PooledGap
+
 LawKind = Literal["law", "law with memory", "change", "time", "none"]
 
 
-@dataclass(frozen=True)
-class LawGap:
-    """Gap of the main signal with and without a law, pooled over records [unit of the signal]."""
-
-    before_rms: float | None = None
-    after_rms: float | None = None
-    noise_rms: float | None = None
-    before_max: float | None = None
-    after_max: float | None = None
-    """None where the law predicts nothing."""
+LawGap = PooledGap
+"""Gap of the main signal without and with a law; None where the law predicts nothing."""
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
+from pydantic import Field
+
+from flexarm.json_values import KnownOrNan, LogEvidence
+
+Probability = Annotated[float, Field(ge=0, le=1)]
 Place = str | tuple[str, ...]
 """Where an effect sits: a place, or all places of a family."""
 
@@ -25,9 +31,9 @@ class Estimate:
     name: str
     """As `Effect.parameters` spells it, such as "stiffness" or "offset.x"."""
     value: float
-    std: float
-    low90: float
-    high90: float
+    std: KnownOrNan
+    low90: KnownOrNan
+    high90: KnownOrNan
     """Estimate, 1 sigma, and the 90 % interval [unit]."""
     unit: str
     """Of all four."""
@@ -44,7 +50,7 @@ class Alternative:
 
     name: str
     at: Place
-    probability: float
+    probability: Probability
     """Among the named effect and its alternatives."""
 
 
@@ -54,7 +60,7 @@ class NamedEffect:
 
     name: str
     at: Place
-    probability: float
+    probability: Probability
     """That this is the effect, all alternatives considered."""
     parameters: tuple[Estimate, ...] = ()
     alternatives: tuple[Alternative, ...] = ()
@@ -100,7 +106,7 @@ class Rejected:
 
     name: str
     at: Place
-    log_bayes_factor: float
+    log_bayes_factor: LogEvidence
     why: str
 
 
@@ -110,5 +116,5 @@ class Stage:
 
     label: str
     """What was added: "nominal", an effect, "nominal values refined"."""
-    rms: Mapping[str, float]
+    rms: Mapping[str, KnownOrNan]
     """Total rms of the main signal, aligned, by record (the held-out one too)."""

@@ -7,13 +7,15 @@ Unknown numbers, such as the deviation of what the data do not determine, are nu
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from flexarm.configuration import config
+from flexarm.fit_statistics import FitStatistics, PooledGap
 from flexarm.json_values import plain
+from flexarm.named_effects import NamedEffect, Nuisance, Probability, Rejected, Stage
 from flexarm.report.sentences import remarks_beside, unpredicted_sentence
 
 if TYPE_CHECKING:
@@ -26,7 +28,6 @@ FORMAT = "flexarm-diagnosis/1"
 
 Known = Annotated[float | None, BeforeValidator(plain)]
 """None for a number that is not finite, which JSON has not."""
-Probability = Annotated[float, Field(ge=0, le=1)]
 
 
 class Entry(BaseModel):
@@ -35,44 +36,11 @@ class Entry(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
 
-class ParameterEntry(Entry):
-    """A fitted parameter with its 90 % interval."""
+@dataclass(frozen=True)
+class EffectEntry(NamedEffect):
+    """A named effect and its figures."""
 
-    name: str
-    value: float
-    std: Known
-    low90: Known
-    high90: Known
-    unit: str
-
-
-class AlternativeEntry(Entry):
-    """An alternative that the data cannot exclude."""
-
-    name: str
-    at: str | list[str]
-    probability: Probability
-
-
-class EffectEntry(Entry):
-    """A named effect."""
-
-    name: str
-    at: str | list[str]
-    probability: Probability
-    parameters: list[ParameterEntry]
-    alternatives: list[AlternativeEntry]
-    evidence: str
-    figures: list[str]
-
-
-class NuisanceEntry(Entry):
-    """A clock or frame that was fitted along."""
-
-    name: str
-    at: str
-    parameters: list[ParameterEntry]
-    undetermined: list[str] = []
+    figures: tuple[str, ...] = ()
 
 
 class WhereEntry(Entry):
@@ -95,32 +63,13 @@ class RefinedEntry(Entry):
     nominal: float
 
 
-class GapEntry(Entry):
-    """Total of the main signal before and after, pooled over records."""
-
-    before_rms: Known
-    after_rms: Known
-    noise_rms: Known
-    before_max: Known
-    after_max: Known
-
-
 class GapsEntry(Entry):
     """The gap on what was fitted and on what was held back."""
 
     signal: str
     unit: str
-    train: GapEntry
-    held_out: GapEntry
-
-
-class RejectedEntry(Entry):
-    """A candidate that was not taken."""
-
-    name: str
-    at: str | list[str]
-    log_bayes_factor: Known
-    why: str
+    train: PooledGap
+    held_out: PooledGap
 
 
 class ProvenanceEntry(Entry):
@@ -132,14 +81,7 @@ class ProvenanceEntry(Entry):
     seed: int
     step: float = 2e-3
     seconds: float
-    rejected: list[RejectedEntry]
-
-
-class StageEntry(Entry):
-    """A model on the way to the repaired one."""
-
-    label: str
-    rms: dict[str, Known]
+    rejected: list[Rejected]
 
 
 class PoseEntry(Entry):
@@ -147,61 +89,6 @@ class PoseEntry(Entry):
 
     xyz: list[float]
     rpy: list[float]
-
-
-class ChannelEntry(Entry):
-    """Residual of a channel after the fit."""
-
-    record: str
-    signal: str
-    channel: int
-    rows: int
-    chi_square: Known
-    autocorrelation: Known
-    discrepancy: Known
-    length: Known
-
-
-class CorrelationEntry(Entry):
-    """Correlation of two fitted parameters."""
-
-    parameters: Annotated[list[str], Field(min_length=2, max_length=2)]
-    value: Known
-
-
-class MotionEntry(Entry):
-    """Range and rate of a joint in a record."""
-
-    record: str
-    joint: str
-    unit: str
-    lowest: float
-    highest: float
-    rms_rate: Known
-
-
-class PriorEntry(Entry):
-    """Prior range of a fitted parameter."""
-
-    effect: str
-    at: str | list[str]
-    parameter: str
-    low: float
-    typical: float
-    high: float
-    unit: str
-    uniform: bool
-    source: str
-
-
-class StatisticsEntry(Entry):
-    """Statistics of the fit."""
-
-    channels: list[ChannelEntry] = Field(default_factory=list)
-    correlations: list[CorrelationEntry] = Field(default_factory=list)
-    motions: list[MotionEntry] = Field(default_factory=list)
-    priors: list[PriorEntry] = Field(default_factory=list)
-    unseen: list[str] = Field(default_factory=list)
 
 
 class DetailsEntry(Entry):
@@ -213,17 +100,17 @@ class DetailsEntry(Entry):
     hold_out_why: str
     remainder: str
     remarks: list[str]
-    stages: list[StageEntry]
+    stages: list[Stage]
     constancy: list[dict[str, Any]]
     frames: dict[str, dict[str, PoseEntry]] = Field(default_factory=dict)
-    statistics: StatisticsEntry = Field(default_factory=StatisticsEntry)
+    statistics: FitStatistics = Field(default_factory=FitStatistics)
 
 
 class LawGapsEntry(Entry):
     """The gap without and with a law."""
 
-    train: GapEntry
-    held_out: GapEntry
+    train: PooledGap
+    held_out: PooledGap
 
 
 class LawEntry(Entry):
@@ -252,7 +139,7 @@ class ReportFile(BaseModel):
     format: Literal["flexarm-diagnosis/1"]
     verdict: Literal["effects", "adequate", "unexplained", "unusable"]
     effects: list[EffectEntry]
-    nuisances: list[NuisanceEntry]
+    nuisances: list[Nuisance]
     where: list[WhereEntry]
     refined: list[RefinedEntry]
     gap: GapsEntry

@@ -1,6 +1,7 @@
 """A diagnosis that was saved is the same when it is loaded: in words, numbers and pictures."""
 
 import json
+from math import nan
 
 import diagnoses
 import matplotlib as mpl
@@ -10,6 +11,7 @@ import pytest
 import flexarm
 from flexarm.effects import SensorOffset
 from flexarm.errors import InvalidFile
+from flexarm.fit_statistics import ChannelStatistics, FitStatistics
 from flexarm.named_effects import Refined
 from flexarm.report.diagnosis import drawings
 
@@ -51,6 +53,13 @@ def test_it_holds_the_same_models_values_and_gaps(pair):
                 assert again.signals[name].to_json_dict() == gap.to_json_dict()
                 for direction, part in gap.parts.items():
                     np.testing.assert_array_equal(again.signals[name].parts[direction], part)
+
+
+def test_statistics_that_nobody_knows_are_read_again(tmp_path):
+    channel = ChannelStatistics("slow", "tip", 0, 3, nan, None, nan, None)
+    diagnoses.of_effects(statistics=FitStatistics(channels=(channel,))).save(tmp_path / "out")
+    (again,) = flexarm.Diagnosis.load(tmp_path / "out").statistics.channels
+    assert np.isnan([again.chi_square, again.discrepancy]).all() and again.length is None
 
 
 def test_a_zero_that_only_the_updated_model_has_is_read_again(tmp_path):
