@@ -90,7 +90,7 @@ def _told(value: object) -> str:
     if isinstance(value, dict | list | tuple):
         return shortened(value)
     simple = value is None or isinstance(value, str | bytes | float | bool)
-    return repr(value)[:80] if simple else f"{type(value).__name__}"
+    return repr(value)[:80] if simple else type(value).__name__
 
 
 def _is_number(value: object) -> bool:
@@ -101,22 +101,21 @@ def _is_number(value: object) -> bool:
     return not isinstance(value, str | bytes) and _numpy().ndim(value) == 0
 
 
-def _is_row(value: object) -> bool:
+def _as_array(value: object, dtype: type | None = None) -> Any:
+    """Return an array, or None where NumPy makes none."""
     try:
-        array = _numpy().asarray(value)
+        return _numpy().asarray(value, dtype=dtype)
     except (TypeError, ValueError, OverflowError):
-        return False
-    return array.dtype.kind in "fiu" and array.ndim <= 1
+        return None
+
+
+def _is_row(value: object) -> bool:
+    array = _as_array(value)
+    return array is not None and array.dtype.kind in "fiu" and array.ndim <= 1
 
 
 def _is_array(value: object) -> bool:
-    if isinstance(value, str | bytes):
-        return False
-    try:
-        _numpy().asarray(value, dtype=float)
-    except (TypeError, ValueError, OverflowError):
-        return False
-    return True
+    return not isinstance(value, str | bytes) and _as_array(value, float) is not None
 
 
 def _is_rotation(value: object) -> bool:
@@ -128,9 +127,8 @@ def _is_rotation(value: object) -> bool:
 
 
 def _is_indices(value: object) -> bool:
-    try:
-        array = _numpy().asarray(value)
-    except (TypeError, ValueError, OverflowError):
+    array = _as_array(value)
+    if array is None:
         return False
     return array.dtype.kind in "iu" or (array.dtype.kind == "f" and not array.size)
 

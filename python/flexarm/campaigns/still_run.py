@@ -33,10 +33,6 @@ class StaticRun(Runner):
     keep: tuple[Keep, ...]
     variables: tuple[Variable, ...]
 
-    def nominal(self, arm: Arm) -> list[Outcome]:
-        """Return what is kept of the nominal arm."""
-        return [self.outcome(arm, 0)]
-
     def outcome(self, arm: Arm, case: int) -> Outcome:
         """Return what is kept of one equilibrium."""
         held = static(arm, joints=self.joints)
@@ -60,10 +56,6 @@ class ModesRun(Runner):
     joints: Mapping[str, float]
     count: int
     variables: tuple[Variable, ...]
-
-    def nominal(self, arm: Arm) -> list[Outcome]:
-        """Return what is kept of the nominal arm."""
-        return [self.outcome(arm, 0)]
 
     def outcome(self, arm: Arm, case: int) -> Outcome:
         """Return what is kept of one arm's modes; NaN for modes that it has not."""

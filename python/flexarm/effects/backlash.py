@@ -10,7 +10,7 @@ gap. At rest the teeth lie on the flank that the torque pushes them against.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Derivative, Effect
 from flexarm.arm.prior import Prior
@@ -27,7 +27,7 @@ class Backlash(Effect):
     `gap` is b of (1).
     """
 
-    name: ClassVar[str] = "backlash"
+    name = "backlash"
     requires = "joint_compliance"
     smooth = False
     one_signed = True

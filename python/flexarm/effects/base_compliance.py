@@ -34,7 +34,7 @@ class BaseCompliance(SpringEffect):
     two is rigid. `damping` is c, one number for both axes or two.
     """
 
-    name: ClassVar[str] = "base_compliance"
+    name = "base_compliance"
     upright: ClassVar[float] = 0.9
     """Cosine between the first axis and z above which a search tries a base that gives about x and y too."""
     stiffness: Stiffness = value_in("N m/rad", "stiffness of the base, or [about x, about y]", inf)

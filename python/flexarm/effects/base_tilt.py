@@ -11,7 +11,7 @@ A record that states how its base stood takes precedence over the effect.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
@@ -28,7 +28,7 @@ class BaseTilt(Effect):
     `angle` is the rotation vector of (1).
     """
 
-    name: ClassVar[str] = "base_tilt"
+    name = "base_tilt"
     stated_by_records = True
     angle: Vector2 = value_in("rad", "tilt about the base's x and y", (0.0, 0.0))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from math import pi
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Self
 
 from flexarm.arm.closure import PINNED
 from flexarm.arm.effect import Effect
@@ -27,7 +27,7 @@ class CableTorque(Effect):
     `stiffness` is k_c and `rest_angle` theta_r of (1).
     """
 
-    name: ClassVar[str] = "cable_torque"
+    name = "cable_torque"
     torque_at = "output"
     at_closures = PINNED
     stiffness: Number = value_in("N m/rad", "stiffness of the cables", 0.0, ge=0)

@@ -7,8 +7,6 @@ t_0 is the start of the run, where the clock is right but for its delay.
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ClockEffect
@@ -21,7 +19,7 @@ class ClockDrift(ClockEffect):
     `rate` is that of (1); positive where the clock is fast.
     """
 
-    name: ClassVar[str] = "clock_drift"
+    name = "clock_drift"
     varies_with = "time"
     rate: Number = value_in("s/s", "how much faster the clock runs", 0.0, gt=-0.5, lt=0.5)
 

@@ -10,7 +10,7 @@ Other shapes have another w, creep at slow rates, or fall with the rate: `flexar
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.closure import PINNED
 from flexarm.arm.friction_effect import FrictionEffect
@@ -29,7 +29,7 @@ class CoulombFriction(FrictionEffect):
     `torque` is T_c of (1); the other parameters are the shape of `FrictionEffect`.
     """
 
-    name: ClassVar[str] = "coulomb_friction"
+    name = "coulomb_friction"
     torque_at = "output"
     at_closures = PINNED
     in_motion = ("torque", *FrictionEffect.shape)

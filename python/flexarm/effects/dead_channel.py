@@ -5,8 +5,6 @@ r"""A dead channel: a broken wire or a stopped converter shows one value for eve
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from flexarm.arm.arm import Arm
@@ -19,7 +17,7 @@ from flexarm.tables import Number, value_in
 class DeadChannel(ChannelEffect):
     """Channels that hold one value, without noise."""
 
-    name: ClassVar[str] = "dead_channel"
+    name = "dead_channel"
     competes = False
     varies_with = "time"
     value: Number = value_in("SI", "what the dead channels show", 0.0)

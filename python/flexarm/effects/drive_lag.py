@@ -12,7 +12,6 @@ models do not know it, and steppers refuse it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import ClassVar
 
 from flexarm.arm.arm import Arm
 from flexarm.arm.drive_effect import DriveEffect
@@ -27,7 +26,7 @@ class DriveLag(DriveEffect):
     `delay` is D and `time_constant` tau of (1).
     """
 
-    name: ClassVar[str] = "drive_lag"
+    name = "drive_lag"
     driven_joints_only = True
     sought_of_commands = ("delay",)
     in_motion = ("delay", "time_constant")

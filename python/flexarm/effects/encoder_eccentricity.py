@@ -9,7 +9,6 @@ by repeated substitution, as amplitude < 1.
 from __future__ import annotations
 
 from math import pi
-from typing import ClassVar
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from flexarm.tables import Number, value_in
 class EncoderEccentricity(WaveEffect, SignalEffect):
     """Eccentricity of an encoder, once per output turn."""
 
-    name: ClassVar[str] = "encoder_eccentricity"
+    name = "encoder_eccentricity"
     quantities = ("joint_angle",)
     of_drives = True
     amplitude: Number = value_in("rad", "amplitude of the error once per output turn", 0.0, ge=0, lt=1)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from math import pi
-from typing import ClassVar
 
 import numpy as np
 
@@ -27,7 +26,7 @@ from flexarm.tables import Number, value_in
 class EncoderHarmonics(WaveEffect, SignalEffect):
     """Error of an encoder several times per output turn."""
 
-    name: ClassVar[str] = "encoder_harmonics"
+    name = "encoder_harmonics"
     quantities = ("joint_angle",)
     of_drives = True
     shape = ("order", "phase")

@@ -5,7 +5,7 @@ r"""Offset of an encoder: its zero is not where the joint's is.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import Channels, SignalEffect
@@ -22,7 +22,7 @@ class EncoderOffset(SignalEffect):
     The offset is output-referred.
     """
 
-    name: ClassVar[str] = "encoder_offset"
+    name = "encoder_offset"
     quantities = ("joint_angle",)
     of_drives = True
     offset: Number = value_in("rad", "offset of the encoder", 0.0)

@@ -8,8 +8,6 @@ reading is smoothed or weighed. (1) has no derivative; without rounding it is th
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from flexarm.arm.arm import Arm
@@ -23,7 +21,7 @@ from flexarm.tables import Number, value_in
 class EncoderQuantisation(SignalEffect):
     """Quantisation of an encoder."""
 
-    name: ClassVar[str] = "encoder_quantisation"
+    name = "encoder_quantisation"
     competes = False
     varies_with = "time"
     quantities = ("joint_angle",)

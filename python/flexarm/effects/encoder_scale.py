@@ -5,7 +5,7 @@ r"""Scale of an encoder: its counts per turn, or the ratio it was divided by, ar
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import Channels, SignalEffect
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 class EncoderScale(SignalEffect):
     """Scale of an encoder."""
 
-    name: ClassVar[str] = "encoder_scale"
+    name = "encoder_scale"
     quantities = ("joint_angle",)
     of_drives = True
     scale: Number = value_in("-", "scale of the encoder", 1.0, gt=0)

@@ -13,7 +13,7 @@ bare stops. A mass m that enters a cushion with a rate v reaches the end with v 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Self
 
 from pydantic import model_validator
 
@@ -34,7 +34,7 @@ class EndCushion(Effect):
     `low` and `high` are the two ends theta_e, `stiffness` is k, `length` w and `damping` c of (1).
     """
 
-    name: ClassVar[str] = "end_cushion"
+    name = "end_cushion"
     stated_only = True
     torque_at = "output"
     at_closures = PINNED

@@ -30,7 +30,7 @@ class ExternalVibration(WaveEffect):
     `amplitude` is A, `frequency` f and `phase` p of (1).
     """
 
-    name: ClassVar[str] = "external_vibration"
+    name = "external_vibration"
     requires = "base_compliance"
     shape = ("frequency", "phase")
     varies_with = "time"

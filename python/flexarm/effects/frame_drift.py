@@ -7,8 +7,6 @@ in the base's axes; t_0 is the start of the run.
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ZERO, FrameEffect, Vector
@@ -18,7 +16,7 @@ from flexarm.tables import Vector3, value_in
 class FrameDrift(FrameEffect):
     """Drift of a frame."""
 
-    name: ClassVar[str] = "frame_drift"
+    name = "frame_drift"
     in_motion = ("velocity",)
     varies_with = "time"
     velocity: Vector3 = value_in("m/s", "velocity of what is measured while nothing moves", ZERO)

@@ -7,8 +7,6 @@ R of a rotation vector, about the base's origin, in the base's axes; a stated po
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ZERO, FrameEffect, Vector
@@ -21,7 +19,7 @@ class FrameRegistration(FrameEffect):
     `rotation` is a rotation vector.
     """
 
-    name: ClassVar[str] = "frame_registration"
+    name = "frame_registration"
     translation: Vector3 = value_in("m", "shift of what is measured", ZERO)
     rotation: Vector3 = value_in("rad", "turn of what is measured, about the base's origin", ZERO)
 

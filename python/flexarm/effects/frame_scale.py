@@ -7,8 +7,6 @@ for positions in the frame's own axes, from its own origin. Orientations stay as
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ZERO, FrameEffect, Vector
@@ -18,7 +16,7 @@ from flexarm.tables import Number, value_in
 class FrameScale(FrameEffect):
     """Scale of all positions that are seen in a frame."""
 
-    name: ClassVar[str] = "frame_scale"
+    name = "frame_scale"
     sees = ("position",)
     least_places = 2
     scale: Number = value_in("-", "measured over true distance", 1.0, gt=0)

@@ -9,7 +9,7 @@ does this; teeth that mesh do not.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
@@ -26,7 +26,7 @@ class GearRatio(Effect):
     `scale` is s of (1).
     """
 
-    name: ClassVar[str] = "gear_ratio"
+    name = "gear_ratio"
     driven_joints_only = True
     scale: Number = value_in("-", "true over nominal gear ratio", 1.0, gt=0)
 

@@ -9,7 +9,7 @@ angle relative to its parent [rad]. Without this effect the drive train is rigid
 from __future__ import annotations
 
 from math import inf
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.prior import Prior
 from flexarm.arm.spring_effect import SpringEffect
@@ -26,7 +26,7 @@ class JointCompliance(SpringEffect):
     `stiffness` is k and `damping` c of (1); without a stiffness the joint is rigid.
     """
 
-    name: ClassVar[str] = "joint_compliance"
+    name = "joint_compliance"
     stiffness: Number = value_in("N m/rad", "stiffness of the joint", inf, gt=0)
     damping: Number = value_in("N m s/rad", "damping of the joint", 0.0, ge=0)
 

@@ -10,7 +10,7 @@ A cycle of the deflection between -a and a, a much larger than w, takes 4 T_h (a
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.prior import Prior
@@ -27,7 +27,7 @@ class JointHysteresis(Effect):
     `torque` is T_h and `width` w of (1).
     """
 
-    name: ClassVar[str] = "joint_hysteresis"
+    name = "joint_hysteresis"
     requires = "joint_compliance"
     in_motion = ("torque", "width")
     smooth = False

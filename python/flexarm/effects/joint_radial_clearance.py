@@ -12,7 +12,7 @@ pushes it. There is no friction between the two.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.closure import PINNED
 from flexarm.arm.effect import Derivative, Effect
@@ -33,7 +33,7 @@ class JointRadialClearance(Effect):
     `clearance` is c_r of (1).
     """
 
-    name: ClassVar[str] = "joint_radial_clearance"
+    name = "joint_radial_clearance"
     pins_of_loops_only = True
     requires = "joint_radial_compliance"
     at_closures = PINNED

@@ -11,7 +11,7 @@ a closure's are fixed at a. The bearing itself has no mass.
 from __future__ import annotations
 
 from math import inf
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated
 
 from flexarm.arm.closure import PINNED
 from flexarm.arm.prior import Prior
@@ -31,7 +31,7 @@ class JointRadialCompliance(SpringEffect):
     rigid.
     """
 
-    name: ClassVar[str] = "joint_radial_compliance"
+    name = "joint_radial_compliance"
     pins_of_loops_only = True
     at_closures = PINNED
     always_turns = True

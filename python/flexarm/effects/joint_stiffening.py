@@ -8,7 +8,7 @@ d [rad] is the deflection of the reducer, e what of it lies beyond half its gap,
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
@@ -26,7 +26,7 @@ class JointStiffening(Effect):
     `cubic_stiffness` is k_3 of (1).
     """
 
-    name: ClassVar[str] = "joint_stiffening"
+    name = "joint_stiffening"
     requires = "joint_compliance"
     non_negative = ("cubic_stiffness",)
     varies_with = "torque"

@@ -34,7 +34,7 @@ class JointTiltCompliance(SpringEffect):
     rigid.
     """
 
-    name: ClassVar[str] = "joint_tilt_compliance"
+    name = "joint_tilt_compliance"
     leaves_plane = True
     at_closures = ("revolute",)
     always_turns = True

@@ -15,7 +15,7 @@ and the part along the link is a uniform stretch. To second order a bow also dra
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Derivative, Effect, Trial
 from flexarm.arm.link import Beam
@@ -33,7 +33,7 @@ class LinkBow(Effect):
     `tip_offset` is u of (1), in the link's frame, and `time_constant` tau.
     """
 
-    name: ClassVar[str] = "link_bow"
+    name = "link_bow"
     shape = ("time_constant",)
     tip_offset: Vector3 = value_in("m", "where the unloaded tip is, from a straight link's", (0.0, 0.0, 0.0))
     time_constant: Number = value_in("s", "time constant with which it grows; 0: constant", 0.0, ge=0)

@@ -10,7 +10,7 @@ is smaller, \eta \omega / 2. Of a super-element the ratio replaces the damping i
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.link import WEIGHTLESS, Beam, RigidLink
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class LinkDamping(Effect):
     """Another damping ratio of a link."""
 
-    name: ClassVar[str] = "link_damping"
+    name = "link_damping"
     in_motion = ("damping_ratio",)
     non_negative = ("damping_ratio",)
     varies_with = "rate"

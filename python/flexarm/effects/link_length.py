@@ -10,7 +10,7 @@ which displacements are counted, does not change.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.link import Beam
@@ -29,7 +29,7 @@ class LinkLength(Effect):
     `error` is positive where the link is longer than nominal.
     """
 
-    name: ClassVar[str] = "link_length"
+    name = "link_length"
     error: Number = value_in("m", "what the link is longer than nominal", 0.0)
 
     def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:

@@ -7,7 +7,7 @@ of a beam; mass and inertia of a rigid link, and the mass matrix of a super-elem
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class LinkMass(Effect):
     """Factor on the mass of a link."""
 
-    name: ClassVar[str] = "link_mass"
+    name = "link_mass"
     scale: Number = value_in("-", "factor on the mass per length", 1.0, gt=0)
 
     def patch(self, machine: Machine) -> None:

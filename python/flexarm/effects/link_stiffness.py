@@ -9,7 +9,7 @@ super-element the whole stiffness matrix is scaled.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class LinkStiffness(Effect):
     """Factor on the bending stiffness of a link."""
 
-    name: ClassVar[str] = "link_stiffness"
+    name = "link_stiffness"
     varies_with = "torque"
     scale: Number = value_in("-", "factor on the bending stiffness EI", 1.0, gt=0)
 

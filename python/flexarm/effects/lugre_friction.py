@@ -16,7 +16,7 @@ References
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Self
 
 from pydantic import model_validator
 
@@ -37,7 +37,7 @@ class LugreFriction(Effect):
     `bristle_damping` sigma_1 and `viscous` sigma_2 of (1).
     """
 
-    name: ClassVar[str] = "lugre_friction"
+    name = "lugre_friction"
     competes = False
     torque_at = "output"
     at_closures = PINNED

@@ -12,7 +12,7 @@ the motor's torque.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Self
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.friction_effect import FrictionEffect
@@ -31,7 +31,7 @@ class MotorFriction(FrictionEffect):
     `coulomb` is T_c and `viscous` c of (1); the other parameters are the shape of `FrictionEffect`.
     """
 
-    name: ClassVar[str] = "motor_friction"
+    name = "motor_friction"
     torque_at = "motor"
     non_negative = ("coulomb", "viscous")
     coulomb: Number = value_in("N m", "dry friction of the motor, output-referred", 0.0, ge=0)

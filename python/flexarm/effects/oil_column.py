@@ -37,7 +37,7 @@ class OilColumn(Effect):
     `stroke` S, `retracted` phi_0 and `damping` c of (1).
     """
 
-    name: ClassVar[str] = "oil_column"
+    name = "oil_column"
     softer: ClassVar[float] = 1.5
     """Factor by which the oil is probed softer than stated."""
     stated_only = True

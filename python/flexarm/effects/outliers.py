@@ -17,8 +17,6 @@ Source: the contaminated normal distribution of [Tukey1960].
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,7 +31,7 @@ from flexarm.tables import Number, value_in
 class Outliers(SignalEffect):
     """Samples that are far off."""
 
-    name: ClassVar[str] = "outliers"
+    name = "outliers"
     competes = False
     varies_with = "time"
     share: Number = value_in("-", "share of rows that are off", 0.0, ge=0, lt=0.5)

@@ -12,7 +12,7 @@ where m^* is the modal mass without J.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import BeforeValidator, model_validator
 
@@ -41,7 +41,7 @@ class PayloadInertia(Effect):
     Moments are in the link's axes; left out: the nominal ones.
     """
 
-    name: ClassVar[str] = "payload_inertia"
+    name = "payload_inertia"
     in_motion = ("inertia",)
     inertia: Annotated[Number | Vector3 | None, BeforeValidator(_one_or_three)] = value_in(
         "kg m2", "inertia of the payload about its centre, one number or [Ixx, Iyy, Izz]", None

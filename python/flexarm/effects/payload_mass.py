@@ -8,7 +8,7 @@ takes precedence.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
@@ -25,7 +25,7 @@ class PayloadMass(Effect):
     Left out: the nominal mass.
     """
 
-    name: ClassVar[str] = "payload_mass"
+    name = "payload_mass"
     stated_by_records = True
     may_vanish = True
     varies_with = "torque"

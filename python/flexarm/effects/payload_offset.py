@@ -8,7 +8,7 @@ weight about the joint turns with the arm. Inertia about the payload's own centr
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
@@ -25,7 +25,7 @@ class PayloadOffset(Effect):
     The offset is in the link's frame.
     """
 
-    name: ClassVar[str] = "payload_offset"
+    name = "payload_offset"
     offset: Vector3 = value_in("m", "centre of mass from the nominal one", (0.0, 0.0, 0.0))
 
     def patch(self, machine: Machine) -> None:

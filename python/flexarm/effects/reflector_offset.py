@@ -9,7 +9,7 @@ proportion.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.prior import Prior
@@ -27,7 +27,7 @@ class ReflectorOffset(Effect):
     The offset is in the link's frame.
     """
 
-    name: ClassVar[str] = "reflector_offset"
+    name = "reflector_offset"
     offset: Vector3 = value_in("m", "point from its nominal place", (0.0, 0.0, 0.0))
 
     def patch(self, machine: Machine) -> None:

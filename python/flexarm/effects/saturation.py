@@ -8,7 +8,6 @@ At the limit (1) has different derivatives on both sides.
 from __future__ import annotations
 
 from math import inf
-from typing import ClassVar
 
 import numpy as np
 
@@ -26,7 +25,7 @@ class Saturation(ChannelEffect):
     `limit` is that of (1), by default infinite.
     """
 
-    name: ClassVar[str] = "saturation"
+    name = "saturation"
     competes = False
     varies_with = "time"
     limit: Number = value_in("SI", "end of the range, on both sides of zero", inf, gt=0)

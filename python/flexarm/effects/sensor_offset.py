@@ -5,7 +5,7 @@ r"""Offset of a sensor: a bridge that was not balanced, an IMU's bias, a probe t
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator
@@ -34,7 +34,7 @@ class SensorOffset(ChannelEffect):
     that are not measured count for nothing.
     """
 
-    name: ClassVar[str] = "sensor_offset"
+    name = "sensor_offset"
     not_sought_in = ("position", "orientation")
     offset: Annotated[float | Vector, BeforeValidator(_number_or_three)] = value_in(
         "SI", "offset of the channels", 0.0

@@ -5,8 +5,6 @@ r"""A sign error: a channel counts the other way.
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from flexarm.arm.sensor_effect import ChannelEffect, Channels
@@ -19,7 +17,7 @@ class SignError(ChannelEffect):
     It has no parameter of its own.
     """
 
-    name: ClassVar[str] = "sign_error"
+    name = "sign_error"
     competes = False
     varies_with = "time"
 

@@ -36,7 +36,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import pairwise
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -78,7 +78,7 @@ class TabulatedLaw(Effect):
     f_1 of (3), `instant` t_c and `duration` tau; `value_falling` is f_- of (4) and `width` delta.
     """
 
-    name: ClassVar[str] = "tabulated_law"
+    name = "tabulated_law"
     competes = False
     at_closures = PINNED
     quantity: Literal["windup", "torque", "curvature", "force"] = Field(description='"windup" or "torque"')

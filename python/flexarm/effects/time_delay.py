@@ -7,8 +7,6 @@ At a clock it delays all signals of the clock, and adds to a delay at one of the
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ClockEffect
@@ -21,7 +19,7 @@ class TimeDelay(ClockEffect):
     The delay is positive where stamps are late.
     """
 
-    name: ClassVar[str] = "time_delay"
+    name = "time_delay"
     of_commands = True
     varies_with = "rate"
     delay: Number = value_in("s", "how late the stamps are", 0.0)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from math import pi
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.prior import Prior
@@ -30,7 +30,7 @@ class TransmissionError(WaveEffect):
     `amplitude` is A, at the output, `multiple` m and `phase` beta of (1).
     """
 
-    name: ClassVar[str] = "transmission_error"
+    name = "transmission_error"
     driven_joints_only = True
     shape = ("multiple", "phase")
     amplitude: Number = value_in("rad", "amplitude at the output", 0.0)

@@ -7,8 +7,6 @@ Millimetres stated as metres have factor = 1000, degrees stated as radians 57.3,
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from flexarm.arm.arm import Arm
@@ -21,7 +19,7 @@ from flexarm.tables import Number, value_in
 class UnitError(ChannelEffect):
     """Channels in another unit than stated."""
 
-    name: ClassVar[str] = "unit_error"
+    name = "unit_error"
     competes = False
     varies_with = "time"
     factor: Number = value_in("-", "reading over true value", 1.0, gt=0)

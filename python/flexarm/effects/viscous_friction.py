@@ -7,7 +7,7 @@ T [N m] is the torque on the link about +axis, \theta [rad] the link's angle rel
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from flexarm.arm.closure import PINNED
 from flexarm.arm.effect import Effect
@@ -26,7 +26,7 @@ class ViscousFriction(Effect):
     `coefficient` is c of (1).
     """
 
-    name: ClassVar[str] = "viscous_friction"
+    name = "viscous_friction"
     torque_at = "output"
     at_closures = PINNED
     in_motion = ("coefficient",)

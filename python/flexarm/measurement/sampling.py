@@ -19,6 +19,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from flexarm import _core
+from flexarm.arm.sensor_effect import Measured
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 
@@ -30,16 +31,8 @@ class CannotMeasure(InvalidParameter):
     """The simulation does not hold what a sensor measures; says what is missing."""
 
 
-class Described(Protocol):
+class Described(Measured, Protocol):
     """Attributes that sensors of a model and signals of a record have in common: quantity and place."""
-
-    @property
-    def name(self) -> str:
-        """Name of the signal."""
-
-    @property
-    def quantity(self) -> str:
-        """A key of `flexarm.quantities.QUANTITIES`."""
 
     @property
     def joint(self) -> str | None:
@@ -56,10 +49,6 @@ class Described(Protocol):
     @property
     def side(self) -> str | None:
         """Before the reducer (motor) or after it (output)."""
-
-    @property
-    def axes(self) -> Sequence[str] | None:
-        """Directions of the channels."""
 
     @property
     def position(self) -> float | None:
