@@ -9,7 +9,7 @@ from log_files import ANGLE, FORMATS, JOINTS, POSE, TIME, TIP, N, map_of, ros_1
 
 import flexarm
 from flexarm import InvalidFile
-from flexarm.importing.c3d import C3dFile
+from flexarm.importing.formats import opened
 from flexarm.importing.map_file import Dialect
 
 
@@ -322,16 +322,20 @@ def test_pictures_in_a_bag_are_neither_fields_nor_kept(storage, tmp_path):
     assert most < 14e6  # of 20 MB; definitions of messages take 8 MB
 
 
-def test_a_c3d_file_whose_parameters_overlap_is_refused(tmp_path):
-    """The library that reads such files would end the program; the way to the next one is in any file."""
+def test_a_log_that_ends_its_reader_is_refused(tmp_path):
+    """A parameter of this C3D file runs into the next one, on which ezc3d ends its process."""
     FORMATS["log.c3d"][0](tmp_path / "log.c3d")
     raw = (tmp_path / "log.c3d").read_bytes()
     at = raw.index(b"DESCRIPTIONS") + 15  # type, then the count of dimensions
     (tmp_path / "log.c3d").write_bytes(raw[:at] + b"\x00\xff" + raw[at:])
-    with pytest.raises(
-        InvalidFile, match=r"parameter DESCRIPTIONS: holds \d+ bytes, the next one follows after 7"
-    ):
-        C3dFile(tmp_path / "log.c3d", Dialect(), [])
-    (tmp_path / "log.c3d").write_bytes(raw[:600])
-    with pytest.raises(InvalidFile, match="are cut off"):
-        C3dFile(tmp_path / "log.c3d", Dialect(), [])
+    with pytest.raises(InvalidFile, match="is damaged: the library that reads it ended with SIG"):
+        opened(tmp_path / "log.c3d", Dialect())
+
+
+def test_an_error_of_a_damaged_log_is_told_as_ever(tmp_path):
+    """The process that tries it first does not hide what its reader says."""
+    FORMATS["v5.mat"][0](tmp_path / "v5.mat")
+    raw = (tmp_path / "v5.mat").read_bytes()
+    (tmp_path / "v5.mat").write_bytes(raw[: len(raw) // 2])
+    with pytest.raises(InvalidFile, match="goes beyond what holds it"):
+        opened(tmp_path / "v5.mat", Dialect()).groups()

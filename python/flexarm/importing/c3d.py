@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Sequence
-from math import prod
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from flexarm.arm.consistency import missing
-from flexarm.errors import InvalidFile
 from flexarm.importing.map_file import Dialect
 from flexarm.importing.source import LOG, Array, Group, Request, Source, Unreadable, needed
 
@@ -21,9 +18,10 @@ TOPICS = {"points": "POINT", "analog": "ANALOG"}
 class C3dFile(Source):
     """A C3D file; without a topic its points."""
 
+    tried_apart = True
+
     def __init__(self, path: Path, dialect: Dialect, requests: Sequence[Request]) -> None:
         super().__init__(path, dialect, requests)
-        _refuse_overlaps(path)
         self._file: Any = needed("ezc3d", path).c3d(str(path))
 
     def _parameter(self, topic: str | None, name: str) -> list[Any]:
@@ -65,38 +63,3 @@ class C3dFile(Source):
                 each = units if topic == "analog" else units[:1] * len(names)
                 found.append(Group(topic, names, LOG, units=tuple(each)))
         return found
-
-
-def _refuse_overlaps(path: Path) -> None:
-    """Raise InvalidFile if a parameter runs into the next one: ezc3d would end the program.
-
-    Groups and parameters are a chain: lengths of the name and number of the group, the name, the way to the
-    next one; then of a parameter its type, dimensions and data; then a description. Source: C3D.ORG, "The C3D
-    File Format", section "The Parameter Section".
-    """
-    raw = path.read_bytes()
-    at = 512 * max(raw[0] - 1, 0) + 4 if raw else 0
-    order = ">" if raw[at - 1 : at] == b"\x56" else "<"
-    where = "parameters"
-    while True:
-        try:
-            length, group = struct.unpack_from("2b", raw, at)
-            if length == 0 or group == 0:
-                return
-            name = raw[at + 2 : at + 2 + abs(length)]
-            way = at + 2 + abs(length)
-            further = struct.unpack_from(f"{order}h", raw, way)[0]
-            end = way + 2
-            if group > 0:
-                kind, axes = struct.unpack_from("bB", raw, end)
-                end += 2 + axes + abs(kind) * prod(struct.unpack_from(f"{axes}B", raw, end + 2))
-            end = min(end, len(raw))
-            end += 1 + struct.unpack_from("B", raw, end)[0]
-        except struct.error:
-            raise InvalidFile(path, where, "are cut off") from None
-        where = f"parameter {name.decode(errors='replace')}"
-        if further == 0:
-            return
-        if way + further < end:
-            raise InvalidFile(path, where, f"holds {end - way} bytes, the next one follows after {further}")
-        at = way + further

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
 from flexarm.errors import InvalidFile
 from flexarm.foreign_files import log_kind
-from flexarm.importing.source import Source
+from flexarm.importing.map_file import Dialect
+from flexarm.importing.source import Request, Source
+from flexarm.importing.trial import try_apart
 from flexarm.reading import regular_file
 
 READERS = {
@@ -27,6 +30,17 @@ READERS = {
     "GSI": "gsi.GsiFile",
 }
 """Word of the kind of a file -> its reader."""
+
+
+def opened(path: Path, dialect: Dialect, requests: Sequence[Request] = ()) -> Source:
+    """Return a log, of which `requests` will be asked for.
+
+    Raise InvalidFile if nothing is there, it is no log, or its bytes end a reader's process.
+    """
+    reader = reader_of(path)
+    if reader.tried_apart:
+        try_apart(reader, path, dialect, requests)
+    return reader(path, dialect, requests)
 
 
 def reader_of(path: Path) -> type[Source]:

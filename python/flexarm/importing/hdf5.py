@@ -42,6 +42,7 @@ class Hdf5File(Tree):
     """An HDF5 file, such as NetCDF-4."""
 
     separator = "/"
+    tried_apart = True
 
     def leaves(self) -> dict[str, tuple[int, ...]]:
         """Return path -> shape of all variables of numbers; fields of compound types are variables too."""

@@ -16,6 +16,8 @@ from flexarm.reading import room
 class MatFile(Tree):
     """A MATLAB file."""
 
+    tried_apart = True
+
     def leaves(self) -> dict[str, tuple[int, ...]]:
         """Return path -> shape of all arrays of numbers, texts and logicals."""
         with self.path.open("rb") as file:

@@ -15,6 +15,8 @@ from flexarm.importing.source import LOG, Array, Group, Source, Unreadable, need
 class MdfLog(Source):
     """An MDF file; a topic is the name of a group, or its number counted from 1."""
 
+    tried_apart = True
+
     @contextmanager
     def _open(self) -> Iterator[Any]:
         module = needed("asammdf", self.path)

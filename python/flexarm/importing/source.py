@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,6 +95,9 @@ class Source(ABC):
 
     `requests` are all that will be asked for, so that a format can read it in one go.
     """
+
+    tried_apart: ClassVar[bool] = False
+    """True if its library may end the program on damaged bytes: another process tries it first."""
 
     def __init__(self, path: Path, dialect: Dialect, requests: Sequence[Request]) -> None:
         self.path, self.dialect, self.requests = path, dialect, tuple(requests)

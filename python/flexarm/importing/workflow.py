@@ -17,7 +17,7 @@ from flexarm.arm import Arm
 from flexarm.arm.rotation import from_rpy
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
-from flexarm.importing.formats import reader_of
+from flexarm.importing.formats import opened
 from flexarm.importing.frequency_response import check_frequencies, response_of
 from flexarm.importing.map_file import Dialect, Every, MapTable, SignalMap, read_map
 from flexarm.importing.source import Array, Request, Samples, Source, Unreadable
@@ -177,10 +177,9 @@ class _Importer:
         for (name, dialect), signals in asked.items():
             with self._blamed(signals[0]):
                 path = self.file.parent / name
-                reader = reader_of(path)
                 requests = [request_of(self.table.signals[i]) for i in signals]
                 with reading(path, "a log"):
-                    found[name, dialect] = reader(path, dialect, requests)
+                    found[name, dialect] = opened(path, dialect, requests)
         return found
 
     def _read(self, signal: SignalMap, source: Source) -> tuple[Samples, Stamps]:

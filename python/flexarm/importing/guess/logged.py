@@ -12,7 +12,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
-from flexarm.importing.formats import reader_of
+from flexarm.importing.formats import opened
 from flexarm.importing.guess.text_stamps import TextStamps, text_stamps
 from flexarm.importing.guess.words import COUNTED, Meaning, is_stamp, meaning_of, unit_in
 from flexarm.importing.map_file import Dialect
@@ -85,7 +85,7 @@ def logged(path: Path, named: str) -> list[Logged]:
     """
     found: list[Logged] = []
     with reading(path, "a log"):
-        source = reader_of(path)(path, Dialect(), [])
+        source = opened(path, Dialect())
         groups = source.groups()
         shared = _shared_stamps(source, groups)
         for group in groups:
