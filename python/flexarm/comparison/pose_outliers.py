@@ -61,7 +61,11 @@ def pose_outliers(simulated: SimulatedRecord, start: Placement) -> dict[str, Pos
     frames = 4  # most rigid fits of a frame, each without the outliers beside the one before
     found: dict[str, PoseOutliers] = {}
     for _ in range(frames):
-        placement = initial_guess(_without(simulated, found), start)
+        signals = dict(simulated.signals)
+        for name, far in found.items():
+            values = np.where(far.rows[:, None], np.nan, signals[name].values)
+            signals[name] = signals[name].replace(values=values)
+        placement = initial_guess(replace(simulated, signals=signals), start)
         each = {name: _of_signal(simulated, signal, placement) for name, signal in simulated.evidence.items()}
         last, found = found, {name: far for name, far in each.items() if far is not None}
         if _row_numbers(last) == _row_numbers(found):
@@ -71,15 +75,6 @@ def pose_outliers(simulated: SimulatedRecord, start: Placement) -> dict[str, Pos
 
 def _row_numbers(found: Mapping[str, PoseOutliers]) -> dict[str, list[int]]:
     return {name: np.flatnonzero(far.rows).tolist() for name, far in found.items()}
-
-
-def _without(simulated: SimulatedRecord, found: Mapping[str, PoseOutliers]) -> SimulatedRecord:
-    """Return the record without these rows."""
-    signals = dict(simulated.signals)
-    for name, far in found.items():
-        values = np.where(far.rows[:, None], np.nan, signals[name].values)
-        signals[name] = signals[name].replace(values=values)
-    return replace(simulated, signals=signals)
 
 
 def _of_signal(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> PoseOutliers | None:

@@ -32,7 +32,7 @@ from flexarm.diagnosis.candidate import Candidate, nulls
 from flexarm.diagnosis.problem import Problem
 from flexarm.effects.external_vibration import ExternalVibration
 from flexarm.errors import InvalidParameter
-from flexarm.record import Record, Signal
+from flexarm.record import Record
 from flexarm.residual_analysis.spectrum import periodogram
 
 
@@ -106,7 +106,12 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
         return list(dict.fromkeys(s.point for s in signals if s.point is not None))
     if kind.place == "frame":
         assert issubclass(kind, FrameEffect)
-        return _frames(kind, signals)
+        seen: dict[str, int] = {}
+        for signal in signals:
+            if signal.quantity in kind.sees and signal.frame != "base":
+                rows = signal.time if signal.pose is None else set(signal.pose[signal.valid])
+                seen[signal.frame] = seen.get(signal.frame, 0) + len(rows)
+        return [frame for frame, places in seen.items() if places >= kind.least_places]
     if issubclass(kind, ClockEffect):
         return _late(kind, problem)
     assert issubclass(kind, SignalEffect)
@@ -145,16 +150,6 @@ def _late(kind: type[ClockEffect], problem: Problem) -> list[str]:
         if clock in own or len(names) > 1:
             found += [signal for signal in sorted(names) if signal not in found]
     return found + (late_commands(problem) if kind.of_commands else [])
-
-
-def _frames(kind: type[FrameEffect], signals: Iterable[Signal]) -> list[str]:
-    """Frames but the base's own in which enough places are seen."""
-    seen: dict[str, int] = {}
-    for signal in signals:
-        if signal.quantity in kind.sees and signal.frame != "base":
-            rows = signal.time if signal.pose is None else set(signal.pose[signal.valid])
-            seen[signal.frame] = seen.get(signal.frame, 0) + len(rows)
-    return [frame for frame, places in seen.items() if places >= kind.least_places]
 
 
 def weighed(record: Record, payload: str) -> bool:

@@ -54,7 +54,11 @@ def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Crite
         limit = criteria.early_stop([first], criteria.null, criteria.policy.halfway / 2)
         near = [f for f in others if f.cost < limit]
         near = sorted(near, key=lambda f: press_rms(f, problem))
-        close = _unlike(near)[:2]
+        found: dict[object, Fit] = {}
+        for fit in near:  # effects of pins once: pins at both ends of a cylinder give way alike
+            at_pins = any(member.effect.pins_of_loops_only for member in fit.members)
+            found.setdefault(tuple(member.name for member in fit.members) if at_pins else id(fit), fit)
+        close = list(found.values())[:2]
     else:
         close = [f for f in others[:2] if _close(f, first, criteria)]
     there = dict(relinearised(fit, estimator) for fit in (first, *close))
@@ -99,15 +103,6 @@ def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
         if fit.cost > FIT.better_share * before.cost:
             break
     return fit, estimator
-
-
-def _unlike(fits: Sequence[Fit]) -> list[Fit]:
-    """Return fits with each effect of pins once: pins at both ends of a cylinder give way alike."""
-    found: dict[object, Fit] = {}
-    for fit in fits:
-        at_pins = any(member.effect.pins_of_loops_only for member in fit.members)
-        found.setdefault(tuple(member.name for member in fit.members) if at_pins else id(fit), fit)
-    return list(found.values())
 
 
 def _close(fit: Fit, first: Fit, criteria: Criteria) -> bool:

@@ -40,7 +40,12 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
             where="kind",
         )
     joints: dict[str, JointDrive] = {}
-    start = _start(record, arm)
+    firsts = [
+        float(signal.time[signal.valid][0]) - effects_of(arm, signal).delay
+        for signal in (record.signals[name] for name in record.drive)
+        if signal.valid.any() and len(signal.time)
+    ]
+    start = min(firsts, default=0.0)
     for name in record.drive:
         signal = record.signals[name]
         if signal.quantity not in ("joint_angle", "joint_command") or signal.joint is None:
@@ -68,17 +73,6 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
         "end": float(end),
         "lead": lead,
     }
-
-
-def _start(record: Record, arm: Arm) -> float:
-    """Return the true instant of the first sample that drives, from which drifts count; 0 without one."""
-    drives = [record.signals[name] for name in record.drive]
-    firsts = [
-        float(signal.time[signal.valid][0]) - effects_of(arm, signal).delay
-        for signal in drives
-        if signal.valid.any() and len(signal.time)
-    ]
-    return min(firsts, default=0.0)
 
 
 def true_time(signal: Signal, arm: Arm, start: float, late: float = 0.0) -> Floats:

@@ -120,6 +120,7 @@ def reduce_mesh(
     K, M = _core.assemble_solids(solid.core(), lumped, threads)
     assembled = perf_counter()
     found = _core.reduce_part(K, M, solid.points, held, count, limit, progress)
+    ties = [f"{name}={item.kind}, {item.size(solid)} points" for name, item in sets.items()]
     element = SuperElement(
         name=name or (Path(solid.file).stem if solid.file else "part"),
         interfaces=tuple(sets),
@@ -134,7 +135,10 @@ def reduce_mesh(
         quality=_quality(found, {"mesh": meshed - started, "assembly": assembled - meshed}),
         provenance={
             **source,
-            **_options(sets, solid, count, limit, lumped, damping_ratio),
+            "interfaces": "; ".join(ties),
+            "modes_wanted": f"up to {limit:g} Hz" if limit else str(count),
+            "masses": "lumped" if lumped else "consistent",
+            "damping_ratio": f"{damping_ratio:g}",
             "backend": f"{found.statistics.factor.backend}, {found.statistics.factor.ordering}",
         },
     )
@@ -188,24 +192,6 @@ def _quality(found: Any, seconds: dict[str, float]) -> dict[str, Any]:
     run["factor"] = {name: getattr(factor, name) for name in dir(factor) if not name.startswith("_")}
     run["seconds_mesh"], run["seconds_assembly"] = seconds["mesh"], seconds["assembly"]
     return {**told, "statistics": run}
-
-
-def _options(
-    sets: Mapping[str, InterfaceSet],
-    mesh: SolidMesh,
-    modes: int,
-    max_frequency: float,
-    lumped: bool,
-    damping_ratio: float,
-) -> dict[str, str]:
-    """Return how the part was reduced, as attributes of its file."""
-    ties = [f"{name}={item.kind}, {item.size(mesh)} points" for name, item in sets.items()]
-    return {
-        "interfaces": "; ".join(ties),
-        "modes_wanted": f"up to {max_frequency:g} Hz" if max_frequency else str(modes),
-        "masses": "lumped" if lumped else "consistent",
-        "damping_ratio": f"{damping_ratio:g}",
-    }
 
 
 def stiffness_proportional(stiffness: Floats, mass: Floats, damping_ratio: float) -> Floats:

@@ -57,6 +57,8 @@ def static(
     """
     held = StaticsBatch(arm, at_link, forces or (), sensitivities, driven=tuple(joints or ()))
     found = held.at(joints or {}, forces)
+    names = [link.name for link in arm.links if link.type == "superelement"]
+    shapes = (held.system.part_shape(found.equilibrium.state, i) for i in range(len(names)))
     return Statics(
         arm=arm,
         displacement=frozen(
@@ -71,7 +73,10 @@ def static(
             "residual_N": found.equilibrium.residual,
             **(_loops_told(arm, held.system, found.equilibrium.state) if arm.closures else {}),
         },
-        parts=_parts(arm, held.system, found.equilibrium.state),
+        parts={
+            name: PartShape(frozen(frame.R), frozen(frame.x), frozen(freedoms))
+            for name, (frame, freedoms) in zip(names, shapes, strict=True)
+        },
         force=_forces(arm, forces) if forces else None,
         at_link=tuple(at_link),
         sensitivities=found.sensitivities,
@@ -107,12 +112,3 @@ def _rigid(arm: Arm, system: _core.System, values: list[float], driven: Collecti
 
 def _forces(arm: Arm, forces: Mapping[str, ArrayLike]) -> Floats:
     return frozen([np.asarray(forces.get(point.name, np.zeros(3)), dtype=float) for point in arm.points])
-
-
-def _parts(arm: Arm, system: _core.System, state: _core.State) -> dict[str, PartShape]:
-    names = [link.name for link in arm.links if link.type == "superelement"]
-    shapes = (system.part_shape(state, i) for i in range(len(names)))
-    return {
-        name: PartShape(frozen(frame.R), frozen(frame.x), frozen(freedoms))
-        for name, (frame, freedoms) in zip(names, shapes, strict=True)
-    }

@@ -58,7 +58,12 @@ def planned_effect(
     size = candidate.probes[shown.probe]
     own = signals.get(candidate.effect.at, "")
     units = {name: own if unit == "SI" else unit for name, _, unit in parameters_in(size, arm)}
-    name = _parameter(candidate, size)
+    moved = (
+        name
+        for name in candidate.free
+        if name not in size.shape and abs(value_of(size, name) - candidate.null.get(name, 0.0)) > 0
+    )
+    name = next(moved, candidate.free[0])
     value, null = value_of(size, name), candidate.null.get(name, 0.0)
     times = sqrt(SelectionPolicy.strong_evidence / seen) if seen > 0 else inf
     if candidate.effect.is_spring:
@@ -86,17 +91,6 @@ def hidden(arm: Arm, effect: Effect, seen: float) -> str:
         if DESIGN.far**2 * seen < SelectionPolicy.strong_evidence
         else ""
     )
-
-
-def _parameter(candidate: Candidate, size: Effect) -> str:
-    """Return the parameter that says how large an effect is: the one that differs most from none."""
-    moved = {
-        name: abs(value_of(size, name) - candidate.null.get(name, 0.0))
-        for name in candidate.free
-        if name not in size.shape
-    }
-    names = [name for name, move in moved.items() if move > 0]
-    return names[0] if names else candidate.free[0]
 
 
 Progress = Callable[[float, str], object] | None

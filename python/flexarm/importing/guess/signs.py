@@ -45,7 +45,9 @@ class Hypothesis:
 def settle_signs(proposals: Sequence[Proposal], arm: Arm) -> None:
     """Give signs and counts per turn, where a point that moves was measured along three axes."""
     most_joints = 6  # joints whose signs are tried together
-    seen = _seen(proposals)
+    points = [p for p in proposals if p.quantity == "position" and not p.out and len(p.columns) == 3]
+    moving = [p for p in points if p.moves() and len(p.track().time) > 8]
+    seen = max(moving, key=lambda p: p.track().size, default=None)
     drives = drives_of(proposals)
     known, counted = [p for p in drives if not p.counts], [p for p in drives if p.counts]
     if seen is not None and known and len(known) <= most_joints:
@@ -61,17 +63,6 @@ def settle_signs(proposals: Sequence[Proposal], arm: Arm) -> None:
         proposal.out = True
         proposal.keys["unit"] = {"counts_per_turn": 0}
         proposal.unknown["unit"] = "no measured point tells how many counts are a turn"
-
-
-def _seen(proposals: Sequence[Proposal]) -> Proposal | None:
-    """Return the point that moves farthest of those that were measured along three axes."""
-    found = [
-        p
-        for p in proposals
-        if p.quantity == "position" and not p.out and p.moves() and len(p.columns) == 3
-        if len(p.track().time) > 8
-    ]
-    return max(found, key=lambda p: p.track().size, default=None)
 
 
 def _signs(of: Sequence[Proposal]) -> Iterator[dict[str, float]]:
