@@ -27,23 +27,23 @@ if TYPE_CHECKING:
     from flexarm.record.record import Record
     from flexarm.record.signal import Signal
 
-PART, PART_ELSE = 0.03, 0.5
+STEADY_SHARE, OTHER_SHARE = 0.03, 0.5
 """Least share of the motion that such a noise is of places and angles, and of what rings or rubs."""
-STEADY = ("position", "deflection", "joint_angle", "inclination", "orientation")
+STEADY_QUANTITIES = ("position", "deflection", "joint_angle", "inclination", "orientation")
 """Quantities that do not ring by as much as they move."""
-NONE = 1e-9
+ROUNDING = 1e-9
 """Scatter over the stated noise below which it is rounding, of an arm at rest that was simulated."""
-FEW = 12
+LEAST_DIFFERENCES = 12
 """Differences of readings that tell a scatter."""
-QUICK = 50.0
+QUICK_HZ = 50.0
 """Rate of joint angles of which the check says more [Hz]."""
 
 
 def noise_problems(signal: Signal) -> Iterable[Problem]:
     """Noise unlike the samples, and jitter beyond their distance."""
     where = f"signals.{signal.name}"
-    quick = signal.quantity == "joint_angle" and len(signal.time) > 2 and signal.rate_hz >= QUICK
-    if signal.noise_std and not quick and len(signal) > FEW:
+    quick = signal.quantity == "joint_angle" and len(signal.time) > 2 and signal.rate_hz >= QUICK_HZ
+    if signal.noise_std and not quick and len(signal) > LEAST_DIFFERENCES:
         with np.errstate(over="ignore"):  # of numbers that no sensor gives
             found = list(_noise(signal, signal.noise_std))
         yield from (Problem(f"{where}.noise_std", what) for what in found)
@@ -53,19 +53,19 @@ def noise_problems(signal: Signal) -> Iterable[Problem]:
 
 
 def _noise(signal: Signal, stated: float) -> Iterable[str]:
-    finer = 20.0  # step of readings over the stated noise
+    least_step = 20.0  # step of readings over the stated noise
     # Stated noise over (1): what lasts longer than a twentieth of a second may be ten times as much.
-    loud = 30.0
+    least_ratio = 30.0
     scatter = max(_bound(signal, column) for column in signal.values.T)
-    shown = float(np.max(np.nanstd(signal.values, axis=0)))
-    part = PART if signal.quantity in STEADY else PART_ELSE
-    if scatter > NONE * stated and stated > max(loud * scatter, part * shown):
+    motion = float(np.max(np.nanstd(signal.values, axis=0)))
+    share = STEADY_SHARE if signal.quantity in STEADY_QUANTITIES else OTHER_SHARE
+    if scatter > ROUNDING * stated and stated > max(least_ratio * scatter, share * motion):
         yield (
             f"is {stated:.3g} {signal.unit}, but values scatter by {scatter:.2g} {signal.unit} at most; "
             "noise_std is in the unit of the signal"
         )
     step = _step(signal)
-    if step > finer * stated:
+    if step > least_step * stated:
         yield (
             f"is {stated:.3g} {signal.unit}, but all values are {step:.3g} {signal.unit} apart or multiples "
             "of it, which is noise as well; noise_std is in the unit of the signal"
@@ -88,7 +88,7 @@ def _bound(signal: Signal, values: Floats) -> float:
     for order in (1, 2, 3) if signal.pose is None else (1,):  # k of (1)
         steps = _differences(signal, values, order)
         steps = steps[np.isfinite(steps)]
-        if len(steps) < FEW or (order == 1 and np.mean(steps == 0) >= repeats):
+        if len(steps) < LEAST_DIFFERENCES or (order == 1 and np.mean(steps == 0) >= repeats):
             return 0.0
         found.append(float(np.sqrt(np.mean(steps**2) / comb(2 * order, order))))  # eq. (1)
     return min(found)

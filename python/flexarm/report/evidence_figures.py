@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from flexarm.law_curve import LawCurve, LawGap
 
 
-RIVAL, OTHER, DRIFTS = "#56B4E9", "#bbbbbb", "#a02c00"
+ALTERNATIVE, OTHER, MOVING = "#56B4E9", "#bbbbbb", "#a02c00"
 REACH = log(20.0)
 """Evidence that a candidate may lack and still be an alternative."""
 TITLED = BOTTOM + TOP
@@ -58,7 +58,7 @@ def _candidate_rows(d: Diagnosis) -> list[tuple[str, float, str]]:
         for other in effect.alternatives:
             odds = other.probability / effect.probability if effect.probability > 0 else 1.0
             lacking = -log(odds) if odds > 0 else REACH
-            rows.setdefault((other.name, other.at), (max(0.0, lacking), RIVAL))
+            rows.setdefault((other.name, other.at), (max(0.0, lacking), ALTERNATIVE))
     for candidate in d.rejected:
         if np.isfinite(candidate.log_bayes_factor):
             lacking = max(0.0, -candidate.log_bayes_factor)
@@ -87,11 +87,11 @@ def draw_constancy(ax: Axes, d: Diagnosis, entry: Any) -> None:
     joint = next((each for each in estimates if each.name == entry["parameter"]), None)
     factor, unit = scale([value for value, _ in values.values()], entry["unit"])
     if joint is not None:
-        ax.axvspan(factor * joint.low90, factor * joint.high90, color=RIVAL, alpha=0.35, lw=0)
+        ax.axvspan(factor * joint.low90, factor * joint.high90, color=ALTERNATIVE, alpha=0.35, lw=0)
         ax.axvline(factor * joint.value, color=AFTER, lw=0.8)
     for i, (value, std) in enumerate(values.values()):
         spread = NORMAL_90 * factor * std if np.isfinite(std) else 0.0
-        colour = "black" if entry.get("constant", True) else DRIFTS
+        colour = "black" if entry.get("constant", True) else MOVING
         ax.errorbar([factor * value], [i], xerr=[spread], fmt="o", ms=4, capsize=3, color=colour)
     moves = "" if entry.get("constant", True) else f": moves with {entry.get('moves_with') or 'the record'}"
     ax.set(yticks=range(len(values)), yticklabels=list(values), ylim=(len(values) - 0.5, -0.5))

@@ -99,13 +99,15 @@ def differentiated(
     """Return the run with the derivatives of its arrays."""
     system = _free(run, run.arm)
     held = _held(run, system)
-    told = {*run.kinds, *run.drive.rest}
-    varied_systems, places = varied(run.arm, wanted, lambda arm: _free(run, arm), redrive, driven=told)
-    still = varied_systems
+    driven_joints = {*run.kinds, *run.drive.rest}
+    varied_free, places = varied(run.arm, wanted, lambda arm: _free(run, arm), redrive, driven=driven_joints)
+    varied_held = varied_free
     if held is not system:
-        still, _ = varied(run.arm, wanted, lambda arm: _with_motors_held(run, arm), redrive, driven=told)
+        varied_held, _ = varied(
+            run.arm, wanted, lambda arm: _with_motors_held(run, arm), redrive, driven=driven_joints
+        )
     moving = [wanted[place] for place in places]
-    found, arrays = _with_slopes(run, system, held, varied_systems, still, report, moving)
+    found, arrays = _with_derivatives(run, system, held, varied_free, varied_held, report, moving)
     return replace(found, sensitivities=collected(wanted, places, arrays))
 
 
@@ -123,29 +125,35 @@ def driven(run: PreparedRun, changes: Sequence[Drive]) -> Simulation:
     held = _held(run, system)
     nothing = motions(run.arm, Drive({}))
     along = [motions(run.arm, as_followed(change, run.arm)) for change in changes]
-    free, still = (
+    varied_free, varied_held = (
         [_core.Varied(each, each, 1.0, 0.0, there, nothing) for there in along] for each in (system, held)
     )
-    found, arrays = _with_slopes(run, system, held, free, still, None)
+    found, arrays = _with_derivatives(run, system, held, varied_free, varied_held, None)
     parts = tuple(Parameter(f"drives.{k}", 0.0, "1", drives=True) for k in range(len(changes)))
     return replace(found, sensitivities=Sensitivities(parts, arrays))
 
 
-def _with_slopes(
+def _with_derivatives(
     run: PreparedRun,
     system: _core.System,
     held: _core.System,
-    free: list[_core.Varied],
-    still: list[_core.Varied],
+    varied_free: list[_core.Varied],
+    varied_held: list[_core.Varied],
     report: Report,
     wanted: Sequence[Parameter] = (),
 ) -> tuple[Simulation, dict[str, Floats]]:
-    """Return the run and the slopes of its arrays by what varies, with motors free and still."""
+    """Return the run and the derivatives of its arrays by what varies, given with motors free and held."""
     equilibrium = _start(run, held, run.motions)
-    initial = _core.static_derivative(held, equilibrium, still, run.options.start)
+    initial = _core.static_derivative(held, equilibrium, varied_held, run.options.start)
     if wanted:
         require_backlash_derivative(
-            run.arm, wanted, still, held, equilibrium, initial, lambda other: _start(run, other, run.motions)
+            run.arm,
+            wanted,
+            varied_held,
+            held,
+            equilibrium,
+            initial,
+            lambda other: _start(run, other, run.motions),
         )
     if held is not system:
         initial = _core.released_derivative(held, initial, system)
@@ -158,10 +166,12 @@ def _with_slopes(
             columns.append((np.asarray(plus) - np.asarray(minus)) / (up - down))
         initial.velocity = np.stack(columns, axis=1)
     run.options.tolerance = DIFFERENTIATED
-    both = _core.simulate_differentiated(system, equilibrium, run.motions, run.options, free, initial, report)
+    both = _core.simulate_differentiated(
+        system, equilibrium, run.motions, run.options, varied_free, initial, report
+    )
     energies = energies_of(both.run, system, equilibrium, run.motions, run.options, run.led)
     found = _with_drive(run, simulation_of(run.arm, both.run, run.options, energies, run.led))
-    return found, derived(found, both.derivatives, len(free), run.led)
+    return found, derived(found, both.derivatives, len(varied_free), run.led)
 
 
 def derived(run: Simulation, derivatives: _core.Transient, count: int, led: int = 0) -> dict[str, Floats]:
@@ -192,11 +202,10 @@ def _held(run: PreparedRun, system: _core.System) -> _core.System:
 
 def _start(run: PreparedRun, held: _core.System, along: list[_core.PiecewisePolynomial]) -> _core.Equilibrium:
     """Return the equilibrium under the first drive values; motors driven by torque are held at rest."""
-    told = run.prescribed
     first = {
         joint.name: motion(run.options.start)[0]
         for joint, motion in zip(run.arm.joints, along, strict=True)
-        if joint.name in told
+        if joint.name in run.prescribed
     }
     values = joint_values(run.arm, {**run.drive.rest, **first})
     gravity = _core.Loads(gravity=np.array(run.arm.gravity))
