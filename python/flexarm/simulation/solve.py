@@ -142,7 +142,7 @@ def _with_derivatives(
     report: Report,
     wanted: Sequence[Parameter] = (),
 ) -> tuple[Simulation, dict[str, Floats]]:
-    """Return the run and the derivatives of its arrays by what varies, given with motors free and held."""
+    """Return the run and its derivatives with respect to what varies, stated with motors free and held."""
     equilibrium = _start(run, held, run.motions)
     initial = _core.static_derivative(held, equilibrium, varied_held, run.options.start)
     if wanted:
