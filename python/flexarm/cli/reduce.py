@@ -144,13 +144,30 @@ def reduce(
             refuse_for_matrices(mesh, grids, modes, max_frequency, material, picture, damping_ratio, recovery)
             solid = None
             element = accepted(
-                mesh, grids, interface, order, mass_matrix, damping_matrix, unit, mass, tolerance
+                mesh,
+                interface,
+                grids=grids,
+                order=order,
+                mass=mass,
+                mass_matrix=mass_matrix,
+                damping_matrix=damping_matrix,
+                unit=unit,
+                tolerance=tolerance,
             )
         else:
             refuse_for_meshes(order, mass_matrix, damping_matrix, tolerance)
             solid = solid_part(mesh, unit, material, merge, mass)
             element = reduced(
-                mesh, solid, interface, modes, max_frequency, damping_ratio, lumped, mass, recovery, json
+                mesh,
+                solid,
+                interface,
+                json,
+                modes=modes,
+                max_frequency=max_frequency,
+                damping_ratio=damping_ratio,
+                lumped=lumped,
+                mass=mass,
+                recovery=recovery,
             )
         with nullcontext() if picture is None else output_file(picture, inputs) as drawn:
             if drawn is not None and solid is not None:

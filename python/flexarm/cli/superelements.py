@@ -44,18 +44,9 @@ def solid_part(
 
 
 def reduced(
-    file: Path,
-    solid: SolidMesh,
-    interface: list[str] | None,
-    modes: int | None,
-    max_frequency: float | None,
-    damping_ratio: float,
-    lumped: bool,
-    mass: float | None,
-    recovery: bool,
-    json: bool,
+    file: Path, solid: SolidMesh, interface: list[str] | None, json: bool, **options: Any
 ) -> SuperElement:
-    """Return the part reduced to its interfaces."""
+    """Return the part reduced to its interfaces, with options of `reduce_mesh`."""
     from flexarm.cli.progress import progress
     from flexarm.reduction import reduce_mesh
 
@@ -66,16 +57,7 @@ def reduced(
         raise InvalidFile("command line", "--interface", what)
     with blame(file), progress(json) as tell:
         return reduce_mesh(
-            solid,
-            pairs,
-            modes=modes,
-            max_frequency=max_frequency,
-            damping_ratio=damping_ratio,
-            lumped=lumped,
-            mass=mass,
-            recovery=recovery,
-            name=file.stem,
-            progress=lambda phase, done: tell(done, phase),
+            solid, pairs, name=file.stem, progress=lambda phase, done: tell(done, phase), **options
         )
 
 
@@ -146,21 +128,10 @@ def refuse_for_matrices(
         )
 
 
-def accepted(
-    file: Path,
-    grids: Path | None,
-    interface: list[str] | None,
-    order: str | None,
-    mass_matrix: str | None,
-    damping_matrix: str | None,
-    unit: str,
-    mass: float | None,
-    tolerance: float | None,
-) -> SuperElement:
-    """Return the matrices as a super-element."""
+def accepted(file: Path, interface: list[str] | None, **options: Any) -> SuperElement:
+    """Return the matrices as a super-element, with options of `accept_matrices`."""
     from flexarm.superelement.foreign import accept_matrices
 
-    assert grids is not None
     form = "NAME=POINT or NAME=POINT,POINT,... with --grids"
     named: dict[str, list[int]] = {}
     for name, points in read_interfaces(interface, form).items():
@@ -169,14 +140,4 @@ def accepted(
         except ValueError:
             raise InvalidFile("command line", "--interface", f"must be {form}, got {name}={points}") from None
     with blame(file):
-        return accept_matrices(
-            file,
-            mass_matrix,
-            grids=grids,
-            order=order,
-            damping_matrix=damping_matrix,
-            interfaces=named,
-            unit=unit,
-            mass=mass,
-            tolerance=tolerance,
-        )
+        return accept_matrices(file, interfaces=named, **options)
