@@ -149,15 +149,20 @@ class Weighting:
         """Return the root of W times values of shape (n, ...)."""
         return by_channel(lambda each, rows: each.weighted(rows), values, self.problem, self.discrepancies)
 
-    def covariance(self, jacobian: Floats, prior: Floats, inverse: Floats) -> Floats:
-        """Return V of (3) from J, P and H^-1."""
+    def robust(self, jacobian: Floats, prior: Floats, inverse: Floats) -> Floats:
+        """Return V of (3) from J, P and H^-1, without errors of the simulation."""
         weighted = self.root(self.root(jacobian))
         correlated = by_channel(
             lambda each, rows: each.times(rows), weighted, self.problem, self.discrepancies
         )
-        found = robust_covariance(weighted, correlated, prior, inverse, self.input_errors)
+        return robust_covariance(weighted, correlated, prior, inverse, self.input_errors)
+
+    def covariance(self, jacobian: Floats, prior: Floats, inverse: Floats) -> Floats:
+        """Return V of (3) from J, P and H^-1."""
         size = simulation_errors(self.problem, False)
-        return found + np.diag(surrogates(self.problem, jacobian, weighted @ inverse, size) ** 2)
+        depends = self.root(self.root(jacobian)) @ inverse
+        errors = surrogates(self.problem, jacobian, depends, size)
+        return self.robust(jacobian, prior, inverse) + np.diag(errors**2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +246,7 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
         weighting = estimation.weighting(point.residual + point.jacobian @ step, point.input_errors)
         inverse = A @ NormalEquations.of(weighting.root(point.jacobian @ A), A.T @ P @ A).inverse() @ A.T
         covariance = weighting.covariance(point.jacobian, P, inverse)
-        step, residual, lowered = _damped_step(estimation, point, weighting, P, centre, A)
+        step, residual, lowered = damped_step(estimation, point, weighting, P, centre, A)
         sigmas = step / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
         found = Posterior(estimation, point, weighting, inverse, covariance, sigmas, count)
         rms = float(np.sqrt(np.mean(point.residual**2)))
@@ -276,7 +281,7 @@ def _step(point: Point, weighting: Weighting, P: Floats, centre: Floats, A: Floa
     return -A @ NormalEquations.of(jacobian, precision).solved(gradient)
 
 
-def _damped_step(
+def damped_step(
     estimation: Estimation, point: Point, weighting: Weighting, P: Floats, centre: Floats, A: Floats
 ) -> tuple[Floats, Floats, float]:
     """Return the least damped step of (2) that does not raise (1), r after it, and by how much (1) falls.

@@ -32,6 +32,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.calibration.estimates import OneSided
+from flexarm.calibration.valley import valley_of
 from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.named_effects import NORMAL_90
 
@@ -39,24 +40,68 @@ if TYPE_CHECKING:
     from flexarm.calibration.estimation import Posterior
 
 
-@dataclass(frozen=True)
-class Interval:
-    """A 90 % interval of u, and the end that data alone set, if they set one."""
+@dataclass(frozen=True, eq=False)
+class Marginal:
+    """Posterior of one u."""
 
-    low: float
-    high: float
+    u: Floats
+    """Increasing values, shape (n,)."""
+    below: Floats
+    """Probability below each of them, shape (n,)."""
     one_sided: OneSided = ""
+    """The end that data alone set, if they set one."""
+
+    @classmethod
+    def normal(cls, mean: float, sigma: float) -> Marginal:
+        """Return a normal distribution."""
+        from scipy.special import ndtr
+
+        z = np.linspace(-8.0, 8.0, 1601)
+        return cls(mean + sigma * z, ndtr(z))
+
+    def quantile(self, share: float) -> float:
+        """Return the u below which a share of the probability lies."""
+        return float(np.interp(share, self.below, self.u))
+
+    def share(self, u: float) -> float:
+        """Return the probability below u."""
+        return float(np.interp(u, self.u, self.below))
 
 
-def interval_90(posterior: Posterior, k: int, m: float, tau: float) -> Interval:
-    """Return the interval of parameter k, whose prior alone is N(m, tau^2)."""
+def marginals(posterior: Posterior) -> list[Marginal]:
+    """Return the posterior of each parameter."""
+    found = [_marginal(posterior, k) for k in range(len(posterior.point.u))]
+    valley, policy = valley_of(posterior), posterior.estimation.policy
+    if valley is None:
+        return found
+    return [
+        Marginal(*valley.below(k))
+        if valley.spread(k) > policy.along * posterior.covariance[k, k] and not own.one_sided
+        else own
+        for k, own in enumerate(found)
+    ]
+
+
+def _marginal(posterior: Posterior, k: int) -> Marginal:
+    """Return the posterior of parameter k about the estimate."""
     u, variance = float(posterior.point.u[k]), float(posterior.covariance[k, k])
-    naive = float(posterior.inverse[k, k])
+    naive, (m, tau) = float(posterior.inverse[k, k]), own_prior(posterior, k)
     if posterior.estimation.parameters[k].scale != "log" or max(variance, naive) >= tau**2:
-        return Interval(u - NORMAL_90 * sqrt(variance), u + NORMAL_90 * sqrt(variance))
+        return Marginal.normal(u, sqrt(variance))
     bend = _bend(posterior, k, min(sqrt(variance), posterior.estimation.policy.longest_step))
     s, b = _of_data(variance, tau), (u - m) * _of_data(naive, tau) ** 2 / tau**2
-    return bent_interval(u, bend, (b, s), (m, tau))
+    return bent_marginal(u, bend, (b, s), (m, tau))
+
+
+def own_prior(posterior: Posterior, k: int) -> tuple[float, float]:
+    """Return m and tau of (3); what the rest of a family tells of a member is not identified by the data."""
+    estimation = posterior.estimation
+    family = next((each for each in estimation.families if k in estimation.columns(each)), None)
+    if family is None:
+        return float(estimation.centre[k]), float(np.sqrt(np.linalg.inv(estimation.precision())[k, k]))
+    return family.hierarchy.shared_value(
+        posterior.point.u[estimation.columns(family)]
+    ), family.hierarchy.spread
 
 
 def _of_data(variance: float, tau: float) -> float:
@@ -95,8 +140,8 @@ def transformed(d: Floats | float, bend: float) -> Floats:
     return found
 
 
-def bent_interval(u: float, bend: float, data: tuple[float, float], prior: tuple[float, float]) -> Interval:
-    """Return the interval of (3) with b and s, m and tau."""
+def bent_marginal(u: float, bend: float, data: tuple[float, float], prior: tuple[float, float]) -> Marginal:
+    """Return (3) with b and s, m and tau."""
     (b, s), (m, tau) = data, prior
     reach = asinh((8.0 * tau + abs(u - m)) / s)  # beyond that the prior leaves nothing
     t = np.linspace(-reach, reach, 20001)
@@ -104,7 +149,6 @@ def bent_interval(u: float, bend: float, data: tuple[float, float], prior: tuple
     x = transformed(np.clip(d, -100.0, 100.0), bend)
     log_p = -(((x - b) / s) ** 2) / 2 - ((u + d - m) / tau) ** 2 / 2
     total = np.cumsum(np.exp(log_p - log_p.max()) * np.cosh(t))
-    low, high = np.interp([0.05 * total[-1], 0.95 * total[-1]], total, u + d)
     end: OneSided = "low" if bend > 0 else "high"
     beyond = bend * b + abs(bend) * NORMAL_90 * s >= 1
-    return Interval(float(low), float(high), end if beyond else "")
+    return Marginal(u + d, total / total[-1], end if beyond else "")

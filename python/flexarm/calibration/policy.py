@@ -50,3 +50,12 @@ class CalibrationPolicy(FamilyPolicy):
     """Correlation of two parameters [-] that is reported."""
     inflated: float = 2.0
     """Variance of a signal's residual over that of its noise [-] that is reported as a gap."""
+    curved: float = 0.2
+    """Part [-] of its rise at the ends of an interval by which an objective misses that of a normal posterior
+    before its valley is traced."""
+    reach: float = 12.0
+    """Farthest point of a valley [sigma of the normal posterior]."""
+    lost: float = 4.0
+    """Fall of ln p [-] at which a valley ends: 2 % of its peak."""
+    along: float = 0.3
+    """Share of its variance [-] along the valley from which a parameter's interval follows it."""

@@ -24,7 +24,7 @@ from flexarm.calibration.estimates import (
 )
 from flexarm.calibration.estimation import Estimation, Posterior, posterior_of
 from flexarm.calibration.families import Family, family_kinds, with_families
-from flexarm.calibration.intervals import interval_90
+from flexarm.calibration.intervals import Marginal, marginals, own_prior
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.calibration.result import Calibration
@@ -135,13 +135,14 @@ def _calibration(
     uncertain = with_zeros(arm, parted.training, SelectionPolicy())
     problem = Problem(uncertain, parted.training, step=step, alpha=alpha, jobs=workers)
     problem, coarse, moved = with_errors_of_drives(problem, SEED)
-    estimation = _estimation(problem, families, policy or CalibrationPolicy())
+    estimation = estimation_of(problem, families, policy or CalibrationPolicy())
     steps = count(1)  # each does a fifth of the rest, as how many follow is not known
     posterior = posterior_of(estimation, lambda what: tell(0.9 * (1 - 0.8 ** next(steps)), what))
     tell(0.9, "verifying")
     kinds, free = ("family", "nominal", "clock", "frame", "base"), posterior.estimation.parameters
     order = [k for kind in kinds for k, parameter in enumerate(free) if parameter.kind == kind]
-    told = tuple(_parameter(posterior, k) for k in order)
+    found = marginals(posterior)
+    told = tuple(_parameter(posterior, k, found[k]) for k in order)
     model = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)
     updated = without_idle_zeros(_rounded(model, uncertain, told), arm)
     split_records = SplitRecords(parted.training, parted.held_out, step, alpha, workers)
@@ -175,7 +176,7 @@ def _calibration(
     )
 
 
-def _estimation(problem: Problem, families: Sequence[str], policy: CalibrationPolicy) -> Estimation:
+def estimation_of(problem: Problem, families: Sequence[str], policy: CalibrationPolicy) -> Estimation:
     """Return the estimation of what is uncertain and of the families."""
     nuisance = nuisance_model(problem)
     arm, found = with_families(problem, nuisance.arm, families, policy)
@@ -213,26 +214,23 @@ def _rounded(model: Arm, uncertain: Arm, told: Iterable[CalibratedParameter]) ->
     return model
 
 
-def _parameter(posterior: Posterior, k: int) -> CalibratedParameter:
+def _parameter(posterior: Posterior, k: int, found: Marginal) -> CalibratedParameter:
     estimation = posterior.estimation
-    free, u, centre = estimation.parameters[k], float(posterior.point.u[k]), float(estimation.centre[k])
+    free, u = estimation.parameters[k], float(posterior.point.u[k])
     prior = float(np.sqrt(np.linalg.inv(estimation.precision())[k, k]))
     family = next((each for each in estimation.families if k in estimation.columns(each)), None)
-    m, tau = centre, prior
-    if family is not None:  # what the rest of a family tells of a member is not identified by the data
-        hierarchy, columns = family.hierarchy, estimation.columns(family)
-        m, tau = hierarchy.shared_value(posterior.point.u[columns]), hierarchy.spread
-    found = interval_90(posterior, k, m, tau)
-    guess, sigma = first_guess(free.key, estimation.problem), (found.high - found.low) / (2 * NORMAL_90)
+    _, tau = own_prior(posterior, k)
+    low, high = found.quantile(0.05), found.quantile(0.95)
+    guess, sigma = first_guess(free.key, estimation.problem), (high - low) / (2 * NORMAL_90)
     return CalibratedParameter(
         free.key,
         free.kind,
         free.value(u) + guess,
         sigma * free.slope(u),
-        free.value(found.low) + guess,
-        free.value(found.high) + guess,
+        free.value(low) + guess,
+        free.value(high) + guess,
         free.unit,
-        _range(free, centre, prior),
+        _range(free, float(estimation.centre[k]), prior),
         float(np.clip(1.0 - (sigma / tau) ** 2, 0.0, 1.0)),
         "" if family is None else family.effect,
         found.one_sided,
