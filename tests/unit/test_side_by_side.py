@@ -287,6 +287,39 @@ def test_gears_and_bearings_that_give_are_followed(
     assert np.array_equal(runs[8].joint_torque, single.joint_torque)
 
 
+def bowing(at: str, rng: np.random.Generator) -> dict[str, Any]:
+    """A bow that grows in tenths of a second; of every other arm it is there from the start."""
+    offset = [rng.uniform(-0.02, 0.02), 0, 0]
+    return {"name": "link_bow", "at": at, "tip_offset": offset, "time_constant": rng.choice([0.0, 0.4])}
+
+
+@pytest.mark.parametrize(("make", "drive"), [(mast, DRIVE), (robot, REACHES)])
+def test_bows_grow_in_each_lane(make: Callable[..., flexarm.Arm], drive: flexarm.Drive) -> None:
+    """A bow of 20 mm that grows shows: its tip is millimetres from where it stays without."""
+    arms = [make(rng, bowing("rod", rng)) for rng in map(np.random.default_rng, range(6))]
+    grow = [arm.effects[-1].time_constant > 0 for arm in arms]  # type: ignore[attr-defined]
+    assert 0 < sum(grow) < len(arms)
+    for arm, run in zip(arms, side_by_side([(arm, drive) for arm in arms]), strict=True):
+        assert run is not None
+        assert_same(run, flexarm.simulate(arm, drive), 1e2)
+    straight = arms[grow.index(True)].replace(effects=arms[grow.index(True)].effects[:-1])
+    [without] = side_by_side([(straight, drive)])
+    run = side_by_side([(arms[grow.index(True)], drive)])[0]
+    assert run is not None
+    assert without is not None
+    assert np.abs(run.position[-1] - without.position[-1]).max() > 1e-3
+
+
+def test_arms_without_damping_go_with_those_that_have_it() -> None:
+    """The first arm has none: its company keeps its own."""
+    data = [mast(rng).to_dict() for rng in map(np.random.default_rng, range(3))]
+    data[0]["links"][0]["damping_ratio"] = 0.0
+    arms = [flexarm.Arm.from_dict(each) for each in data]
+    for arm, run in zip(arms, side_by_side([(arm, DRIVE) for arm in arms]), strict=True):
+        assert run is not None
+        assert_same(run, flexarm.simulate(arm, DRIVE))
+
+
 def coupled(rng: np.random.Generator, ratio: float) -> flexarm.Arm:
     """Return an arm whose elbow a gear turns along with the hinge."""
     data = elbowed(rng).to_dict()

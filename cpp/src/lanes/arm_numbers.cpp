@@ -33,11 +33,9 @@ template <int D>
 bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent) {
   const bool others = !arm.closures().empty() || !arm.superelements().empty() || !loads.points.empty();
   if (others) return false;
-  const auto grows = [](const auto& beam) { return beam.grows(); };
   const auto winds = [](const auto& gear) { return !gear.transmission.windup.empty(); };
   const auto is_ball = [](const auto& joint) { return joint.type() == joints::JointType::spherical; };
-  if (std::ranges::any_of(arm.beams(), grows) || std::ranges::any_of(arm.gears(), winds) ||
-      std::ranges::any_of(arm.constraints(), is_ball))
+  if (std::ranges::any_of(arm.gears(), winds) || std::ranges::any_of(arm.constraints(), is_ball))
     return false;
   const solvers::WeldsIn<D> welds(arm, true);
   if (welds.n_unknowns() > solvers::KeptFactor::largest_inverse) return false;
@@ -80,6 +78,9 @@ ArmNumbersIn<D>::ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms,
     : lanes_(lanes) {
   for (const SystemIn<D>* arm : arms) welds_.push_back(std::make_unique<solvers::WeldsIn<D>>(*arm, true));
   place_points(arms);
+  for (const SystemIn<D>* arm : arms) {
+    for (const auto& beam : arm->beams()) arms_.damped = arms_.damped || beam.damping_time() > 0;
+  }
   lay_out(*arms.front());
   unknowns_.resize(static_cast<std::size_t>(arms_.n_reduced));
   for (int k = 0; k < arms.front()->n_unknowns(); ++k) {
@@ -113,10 +114,7 @@ void ArmNumbersIn<D>::place_points(const std::vector<const SystemIn<D>*>& arms) 
 template <int D>
 void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
   constexpr int n = geometry::freedoms<D>;
-  for (const auto& beam : arm.beams()) {
-    beam_nodes_.insert(beam_nodes_.end(), {beam.node1(), beam.node2()});
-    arms_.damped = arms_.damped || beam.damping_time() > 0;
-  }
+  for (const auto& beam : arm.beams()) beam_nodes_.insert(beam_nodes_.end(), {beam.node1(), beam.node2()});
   for (const auto& body : arm.bodies()) body_nodes_.push_back(body.node());
   const solvers::WeldsIn<D>& welds = *welds_.front();
   int row = 0;
@@ -242,6 +240,20 @@ void ArmNumbersIn<D>::fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& l
   row = 0;
   for (const auto& point : arm.points()) row = point_offsets_.put(row, lane, point.offset.x);
   fill_sections(lane, arm);
+}
+
+/// Stress of a bow b(t) is that of a rest strain d₀ + b + η b' without it, equations (1), (2) of beam.hpp.
+template <int D>
+void ArmNumbersIn<D>::grow_bows(int lane, const SystemIn<D>& arm, double t) {
+  constexpr int n = geometry::freedoms<D>, rows = 2 * n + 1 + 4 * n * n;
+  int row = n;
+  for (const auto& beam : arm.beams()) {
+    if (beam.grows()) {
+      const geometry::Twist<D> rest = beam.rest(t) + beam.damping_time() * beam.bow_rate(t);
+      beams_.put(row, lane, rest);
+    }
+    row += rows;
+  }
 }
 
 /// On a node: where a section begins.

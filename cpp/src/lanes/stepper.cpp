@@ -201,6 +201,7 @@ bool StepperIn<D>::factor(int lane, double h) {
 template <int D>
 void StepperIn<D>::advance(double h, const solvers::Drives& drives) {
   const int n_lanes = static_cast<int>(lane_.size());
+  t_ += h;
   if (factored_h_ != h) {
     for (int k = 0; k < n_lanes; ++k) {
       Lane& lane = lane_[static_cast<std::size_t>(k)];
@@ -208,8 +209,8 @@ void StepperIn<D>::advance(double h, const solvers::Drives& drives) {
     }
     factored_h_ = h;
   }
-  t_ += h;
   drives(t_, drive_);
+  for (int k = 0; k < n_lanes; ++k) numbers_.grow_bows(k, *lane_[static_cast<std::size_t>(k)].arm, t_);
   const Step step{h, coefficients_.alpha, coefficients_.beta, coefficients_.gamma};
   const Drive drive{drive_.s.data(), drive_.v.data(), drive_.v_dot.data(), drive_.torques.data()};
   kernel_.predict(numbers_.arms(), motion_, step, drive);

@@ -2,7 +2,7 @@
 
 A run differs from the one alone by rounding, and where the end of a step's iteration hangs on that, by a part
 of its tolerance. It does not depend on what is computed beside it. What does not fit is left to be run alone:
-loops, super-elements, bows that grow, tables of windup, derivatives, energies, section forces, rotations.
+loops, super-elements, tables of windup, derivatives, energies, section forces, rotations.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 /// @file
 /// Internal and inertia forces of beams, (1) to (4) of beam.hpp, on any kind of numbers: of one, of two side
-/// by side (beam_pair.hpp), of the same beam in many arms. Their bows must not grow.
+/// by side (beam_pair.hpp), of the same beam in many arms.
 #pragma once
 
 #include "flexarm/elements/uncoupled.hpp"
@@ -17,7 +17,7 @@ struct BeamForces {
 
   using Mass = Eigen::Matrix<Real, 2 * n, 2 * n>;
 
-  TwistD K, rest;  ///< stiffness, d₀ + b
+  TwistD K, rest;  ///< stiffness, d₀ + b + η b'
   Real eta;        ///< η
   bool damped;     ///< whether any η is not zero
 

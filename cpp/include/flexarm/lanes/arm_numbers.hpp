@@ -39,6 +39,9 @@ class ArmNumbersIn {
   const Arms& arms() const { return arms_; }
   const solvers::WeldsIn<D>& welds(int lane) const { return *welds_[static_cast<std::size_t>(lane)]; }
 
+  /// Rest strains of a lane's beams whose bow grows, at t [s].
+  void grow_bows(int lane, const SystemIn<D>& arm, double t);
+
   /// @param inverse null: there is none. @return false if it is not cut as those of the lanes before
   bool set_inverse(int lane, const solvers::DissectedInverse* inverse);
 
