@@ -20,8 +20,8 @@ class LawCurve:
 
     at: str
     quantity: str
-    """Place and what is missing there: "windup", "torque", "offset"; of the base "rotation about x", y or
-    z."""
+    """Place and what is missing there: "windup", "torque", "offset"; of slow motions with their
+    direction, such as "rotation about x", "curvature towards y", "force along x and z"."""
     of: str
     """State that the curve is a function of."""
     unit: str

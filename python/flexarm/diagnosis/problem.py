@@ -296,5 +296,14 @@ def extrapolated(coarse: Floats, fine: Floats) -> Floats:
 
 def _key(arm: Arm) -> tuple[Any, ...]:
     """Return what residuals depend on."""
-    parts = (arm.joints, arm.gears, arm.closures, arm.links, arm.payloads, arm.points, arm.motors)
+    parts = (
+        arm.gravity,
+        arm.joints,
+        arm.gears,
+        arm.closures,
+        arm.links,
+        arm.payloads,
+        arm.points,
+        arm.motors,
+    )
     return (*parts, arm.controllers, arm.effects)

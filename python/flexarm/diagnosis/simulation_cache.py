@@ -223,7 +223,7 @@ def _mechanics(record: Record, arm: Arm) -> tuple[Any, ...]:
     """Return what a run depends on: everything but effects on sensors that do not drive."""
     moving = tuple(e for e in arm.effects if not isinstance(e, SignalEffect | ClockEffect | FrameEffect))
     loop = (arm.motors, arm.controllers, _read_by_controllers(record, arm))
-    parts = (arm.joints, arm.gears, arm.closures, arm.links, arm.payloads, arm.points)
+    parts = (arm.gravity, arm.joints, arm.gears, arm.closures, arm.links, arm.payloads, arm.points)
     return (*parts, moving, _driving(record, arm), loop)
 
 

@@ -18,8 +18,8 @@ from flexarm.wording import with_unit
 
 OF_UNITS = {"torque": "N m", "angle": "rad", "rate": "rad/s", "motor_angle": "rad"}
 """Units of the states of a revolute joint."""
-HAS = {"windup": "the windup of", "torque": "a torque lost at"}
-"""How a sentence begins."""
+HAS = {"windup": "the windup of {}", "torque": "a torque lost at {}"}
+"""How a sentence begins; of others with the quantity."""
 
 
 def curve_in_time(latent: Latent, probability: float) -> LawCurve:
@@ -42,7 +42,7 @@ def curve_in_time(latent: Latent, probability: float) -> LawCurve:
         kind="time",
         instant_s=None,
         probability=probability,
-        says=f"the {latent.quantity} of {latent.at} is a function of {basis.of} only",
+        says=f"the {latent.quantity} at {latent.at} is a function of {basis.of} only",
     )
 
 
@@ -106,7 +106,7 @@ def _with_branches(
     first = shown[0]
     covariance = root[first] @ root[first].T
     shape = closest_shape(x, mean[first], covariance, policy, curve.unit, curve.of, curve.of_unit)
-    says = _sentence(curve.quantity, curve.at, curve.of, shape)
+    says = _sentence(curve, shape)
     if curve.kind == "law with memory":
         says += ", with another branch where the angle falls"
     if instant:
@@ -129,8 +129,9 @@ def _with_branches(
     )
 
 
-def _sentence(quantity: str, at: str, of: str, shape: str) -> str:
-    return f"{HAS[quantity]} {at} as a function of {of.replace('_', ' ')} {shape}"
+def _sentence(curve: LawCurve, shape: str) -> str:
+    has = HAS.get(curve.quantity, f"the {curve.quantity} at {{}}").format(curve.at)
+    return f"{has} as a function of {curve.of.replace('_', ' ')} {shape}"
 
 
 def as_torque(law: LawCurve, stiffness: float) -> LawCurve:
@@ -139,7 +140,9 @@ def as_torque(law: LawCurve, stiffness: float) -> LawCurve:
     def times(values: tuple[float, ...]) -> tuple[float, ...]:
         return tuple(-stiffness * each for each in values)
 
-    says = law.says.split("; it spans")[0].replace(HAS["windup"], HAS["torque"])
+    says = law.says.split("; it spans")[0]
+    windup, torque = (HAS[each].format(law.at) for each in ("windup", "torque"))
+    says = says.replace(windup, torque)
     return replace(
         law,
         quantity="torque",
@@ -164,8 +167,10 @@ def _softening(x: Floats, mean: Floats, root: Floats, stiffness: float) -> str:
 
 
 def stiffness_of(latent: Latent) -> float:
-    """Return the torque over the deflection of a joint along its run [N m/rad]; 0 of a rigid one."""
+    """Return the torque over the deflection of a joint along its run [N m/rad]; 0 of others."""
     assert latent.response is not None
+    if latent.slow:
+        return 0.0
     response = latent.response
     name = next(iter(response.bases))
     run = response.problem.simulations.run(name, response.arm).simulation

@@ -9,8 +9,8 @@ splines, a block a record, and 1 for poses. Size s, length l and noise maximise 
 
 .. math:: r \leftarrow r(c) - J c                                                                       (2)
 
-An offset of a sensor is a function of time for each of its channels; there J is exact. A rotation of the
-base is one for each axis (`base`).
+An offset of a sensor is a function of time for each of its channels; there J is exact. A slow motion is one
+for each of its directions (`slow`).
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from flexarm.diagnosis.candidate import with_members
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import Problem
 from flexarm.drive.doubts import slides
-from flexarm.missing_law.base import BASE, base_responses
 from flexarm.missing_law.basis import Basis, TimeBasis, lengths_of
 from flexarm.missing_law.gaussian import ColumnSpace, GaussianData, GaussianModel
 from flexarm.missing_law.policy import LawPolicy
-from flexarm.missing_law.windup import WindupResponse, driven_joints
+from flexarm.missing_law.slow import SlowMotion, slow_places
+from flexarm.missing_law.windup import Response, WindupResponse, driven_joints
 
 _Roots = dict[float, tuple[Floats, tuple[Floats, Floats]]]
 
@@ -57,8 +57,10 @@ class Latent:
     """Of c: posterior mean and a root of the covariance."""
     bases: Sequence[Basis]
     """Of the coefficients, one after the other."""
-    response: WindupResponse | None = None
-    """Linear response of a joint; None of a sensor."""
+    response: Response | None = None
+    """Linear response; None of a sensor, and of a slow motion in several directions."""
+    slow: bool = False
+    """True if no mode filters it (`slow`)."""
 
     @property
     def evidence_without(self) -> float:
@@ -87,7 +89,7 @@ def nuisance_projection(problem: Problem, fit: Fit) -> Projection:
 
 
 def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[Latent]:
-    """Yield the latent motion of each place: driven joints, axes of the base, sensors.
+    """Yield the latent motion of each place: driven joints, slow motions, sensors.
 
     Sensors whose offset cannot be as likely as the likeliest joint are left out.
     """
@@ -95,8 +97,8 @@ def latent_motions(problem: Problem, fit: Fit, policy: LawPolicy) -> Iterator[La
     for found in _windups(_likely_joints(problem, fit, arm, policy), problem, fit, arm, policy):
         best = max(best, found.model.log_evidence if found.gain > policy.evidence else -np.inf)
         yield found
-    for axis, bases, jacobian in base_responses(problem, arm, policy):
-        yield _linear(BASE, f"rotation about {axis}", "rad", problem, fit, bases, jacobian, policy)
+    for directions in slow_places(problem, arm, policy):
+        yield _slow(directions, problem, fit, policy)
     motions = (rows for rows in problem.rows if problem.records[rows.record].kind == "motion")
     for signal in dict.fromkeys(rows.signal for rows in motions):  # free in each pose, an offset is noise
         if offset_evidence_bound(signal, problem, fit) > best - problem.policy.reach:
@@ -161,6 +163,35 @@ def _most_likely(space: ColumnSpace, roots: _Roots) -> tuple[GaussianModel, Floa
     root = root * model.size
     mean, deviation = model.posterior()
     return model, root @ mean, root @ (np.sqrt(model.noise) * deviation), length
+
+
+def _slow(directions: Sequence[SlowMotion], problem: Problem, fit: Fit, policy: LawPolicy) -> Latent:
+    """Return the slow motion of a place in its likeliest direction, or in all of them that explain a part.
+
+    Of several directions, coarser splines decide.
+    """
+    if len(directions) == 1:
+        return _along(directions, problem, fit, policy)
+    coarse = replace(policy, spacing=max(policy.spacing, policy.pass_spacing))
+    tried = [_along([each], problem, fit, coarse) for each in directions]
+    order = sorted(range(len(tried)), key=lambda k: -tried[k].model.log_evidence)
+    single, some = tried[order[0]], [directions[k] for k in order if tried[k].gain > policy.evidence]
+    if len(some) > 1:
+        both = _along(some, problem, fit, coarse)
+        if both.model.log_evidence > single.model.log_evidence:
+            return _along(some, problem, fit, replace(policy, lengths=(both.length,)))
+    return _along([directions[order[0]]], problem, fit, policy)
+
+
+def _along(directions: Sequence[SlowMotion], problem: Problem, fit: Fit, policy: LawPolicy) -> Latent:
+    """Return the slow motion of a place in one direction or several."""
+    first, *others = directions
+    quantity = " and ".join([f"{first.quantity} {first.direction}", *(each.direction[-1] for each in others)])
+    responses = [each.response(problem, policy) for each in directions]
+    bases = [basis for each in responses for basis in each.bases.values()]
+    jacobian = np.column_stack([each.jacobian for each in responses])
+    found = _linear(first.at, quantity, first.unit, problem, fit, bases, jacobian, policy)
+    return replace(found, response=None if others else responses[0], slow=True)
 
 
 def _linear(

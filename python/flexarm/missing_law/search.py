@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from flexarm.diagnosis.sensors import without_idle_zeros
 from flexarm.diagnosis.verification import repaired
 from flexarm.effects.tabulated_law import ACTS, TabulatedLaw
 from flexarm.law_curve import LawCurve, LawKind
-from flexarm.missing_law.base import BASE
 from flexarm.missing_law.curves import as_torque, curve_in_time, curve_of_fit, curve_of_law, stiffness_of
 from flexarm.missing_law.latent import Latent, latent_motions, noise_scale
 from flexarm.missing_law.law import Law, LawSearch
@@ -29,7 +28,8 @@ from flexarm.missing_law.states import joint_states
 from flexarm.missing_law.windup import driven_joints
 
 NOTHING = (
-    "no missing law was found: no motion of a joint, of the base or of a sensor is more likely than noise"
+    "no missing law was found: no motion of a joint, the base, a link or a sensor and no force at a "
+    "payload is more likely than noise"
 )
 BRANCHES_OF = {
     "law": ("value",),
@@ -141,6 +141,21 @@ def law_remarks(laws: MissingLaws, best: Fit) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, eq=False)
+class _Place:
+    """What is told of a place."""
+
+    latent: Latent
+    evidence: float
+    """Log evidence of its motion in time, or of its linear law if that is greater."""
+    told: list[_Candidate]
+
+    @property
+    def simulated(self) -> float:
+        """The evidence, or that of a law that was fitted through the simulation."""
+        return max([self.evidence, *(each.evidence for each in self.told if each.added is not None)])
+
+
+@dataclass(frozen=True, eq=False)
 class _Inference:
     """Inference of laws given one model."""
 
@@ -176,42 +191,62 @@ class _Inference:
         if not known:
             return []
         thresholds = self.problem.policy
-        best = max(each.model.log_evidence for each in [e for e in known if e.at != BASE] or known)
+        first = min(map(self._rank, known))
+        best = max(each.model.log_evidence for each in known if self._rank(each) == first)
         near = [each for each in known if each.model.log_evidence > best - thresholds.reach]
         near.sort(key=lambda each: -each.model.log_evidence)
-        shares = _shares([each.model.log_evidence for each in near], thresholds.most_certain)
-        laws: list[_Candidate] = []
-        for latent, share in zip(near, shares, strict=True):
-            laws += self._of_place(latent, share)
-        laws.sort(key=lambda each: each.curve.kind in STATELESS)
+        tried = [self._of_place(latent) for latent in near]
+        best = max(each.evidence for each in tried if self._rank(each.latent) == first)
+        places = [each for each in tried if each.evidence > best - thresholds.reach]
+        places.sort(key=lambda each: -each.simulated)
+        shares = _shares([each.simulated for each in places], thresholds.most_certain)
+        laws = [
+            replace(each, curve=replace(each.curve, probability=share * each.curve.probability))
+            for place, share in zip(places, shares, strict=True)
+            for each in place.told
+        ]
+        laws.sort(key=lambda each: (each.curve.kind in STATELESS, each.added is None))
         return laws[: self.policy.most_laws]
 
-    def _of_place(self, latent: Latent, probability: float) -> list[_Candidate]:
-        """Return the laws of a place for its best state, as windup and as an equivalent torque."""
-        in_time = curve_in_time(latent, probability)
-        slow = latent.length >= max(self.policy.lengths)
+    def _rank(self, latent: Latent) -> tuple[bool, bool]:
+        """Return what ranks places that leave others out: those that leave noise alone first, then joints."""
+        return latent.model.noise > self.policy.adequate_noise, latent.slow
+
+    def _of_place(self, latent: Latent) -> _Place:
+        """Return a place with its laws over the best state; of a joint also as equivalent torques."""
+        in_time, place = curve_in_time(latent, 1.0), partial(_Place, latent, latent.model.log_evidence)
+        drifts = latent.length >= max(self.policy.lengths)
+        outside = f"the {latent.quantity} at {latent.at} explains the gap; it is no part of the model"
         if latent.response is None:
-            says = f"the {latent.quantity} of {latent.at} explains the gap; it is no part of the model"
-            return [_Candidate(replace(in_time, kind="time" if slow else "none", says=says))]
+            told = [_Candidate(replace(in_time, kind="time" if drifts else "none", says=outside))]
+            return place(told)
         search = LawSearch(latent, joint_states(latent, self.policy), self.problem, self.fit, self.policy)
         best = next(iter(search.best()), None)
         if best is None:
-            return [_Candidate(replace(in_time, kind="none", says=f"no state of {latent.at} changes"))]
+            says = f"no state of {latent.response.joint} changes"
+            return place([_Candidate(replace(in_time, kind="none", says=says))])
         in_blocks = latent.model.predictive(search.blocks)
         share = search.share(best)
-        predicts = best.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share
+        if latent.slow:  # told without a simulation of the law
+            predicts = best.model.log_evidence > latent.model.log_evidence
+        else:
+            predicts = best.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share
         if share < self.policy.least_share or not predicts:
-            kind: LawKind = "time" if slow and in_blocks > best.predictive else "none"
+            kind: LawKind = "time" if drifts and in_blocks > best.predictive else "none"
             what = (
                 "drifts with time" if kind == "time" else f"follows no state: {best.of} explains {share:.0%}"
             )
-            return [_Candidate(replace(in_time, kind=kind, says=f"the windup of {latent.at} {what}"))]
+            says = outside if latent.slow else f"the windup of {latent.at} {what}"
+            return place([_Candidate(replace(in_time, kind=kind, says=says))])
+        place = partial(_Place, latent, max(latent.model.log_evidence, best.model.log_evidence))
+        if latent.slow:
+            curve = curve_of_law(latent, search, best, self.policy)
+            of = f"{curve.says}, with the {best.of} of {latent.response.joint}; it is no part of the model"
+            return place([_Candidate(replace(curve, says=of))])
         told = self._as_table(latent, search, best) or self._along_states(latent, search, best)
         shares = _shares([each.evidence for each in told], 1.0)
-        return [
-            replace(each, curve=replace(each.curve, probability=probability * share))
-            for each, share in zip(told, shares, strict=True)
-        ]
+        pairs = zip(told, shares, strict=True)
+        return place([replace(each, curve=replace(each.curve, probability=share)) for each, share in pairs])
 
     def _as_table(self, latent: Latent, search: LawSearch, best: Law) -> list[_Candidate]:
         """Return the law of a state, fitted through the simulation; one curve if that leaves only noise."""

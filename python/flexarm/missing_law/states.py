@@ -58,20 +58,20 @@ def joint_states(latent: Latent, policy: LawPolicy) -> States:
     """Return the states of the joint along the runs with its latent motion, at the `fine` instants."""
     response = latent.response
     assert response is not None
-    joint = response.arm.joint(latent.at)
+    joint = response.arm.joint(response.joint)
     parts = response.parts(latent.mean)
     found: dict[str, list[Floats]] = {}
     greatest = dict.fromkeys(ARRAYS, 0.0)
     drive: list[Floats] = []
-    k = [each.name for each in response.arm.moving_joints].index(latent.at)
+    k = [each.name for each in response.arm.moving_joints].index(joint.name)
     times = [basis.fine(policy) for basis in response.bases.values()]
     for (name, basis), time in zip(response.bases.items(), times, strict=True):
         run = response.run(name, parts[name]).simulation
-        at_places = states_of(run, latent.at, basis.places, joint.gear_ratio, policy)
+        at_places = states_of(run, joint.name, basis.places, joint.gear_ratio, policy)
         drive.append(response.problem.simulations.run(name, response.arm).simulation.drive_angle[:, k])
         for key, array in ARRAYS.items():
             greatest[key] = max(greatest[key], float(np.abs(getattr(run, array)).max()))
-        for key, values in states_of(run, latent.at, time, joint.gear_ratio, policy).items():
+        for key, values in states_of(run, joint.name, time, joint.gear_ratio, policy).items():
             if key in at_places:
                 found.setdefault(key, []).append(values)
     count = len(response.bases)

@@ -68,17 +68,30 @@ def drive_plus(drive: JointDrive, extra: PPoly) -> JointDrive:
 
 
 @dataclass(frozen=True, eq=False)
-class WindupResponse:
-    """Eq. (2) of a joint in all records."""
+class Response:
+    """Linear response of the residuals to what is missing at a place."""
 
     problem: Problem
     arm: Arm
     joint: str
-    """Whose; the model is that of the diagnosis."""
+    """The joint that moves, or carries the place; the model is that of the diagnosis."""
     bases: Mapping[str, Basis]
     """By record; coefficients of all records follow one another."""
     jacobian: Floats
     """Derivatives of the residual by all coefficients, shape (n, m)."""
+
+    def parts(self, coefficients: Floats) -> dict[str, Floats]:
+        """Return coefficients by record."""
+        ends = np.cumsum([len(basis) for basis in self.bases.values()])[:-1]
+        return dict(zip(self.bases, np.split(coefficients, ends), strict=True))
+
+    def run(self, name: str, coefficients: Floats) -> SimulatedRecord:
+        """Return the run of a record that has the states of the joint: the one without the motion."""
+        return self.problem.simulations.run(name, self.arm)
+
+
+class WindupResponse(Response):
+    """Eq. (2) of a joint in all records."""
 
     @classmethod
     def of(cls, problem: Problem, arm: Arm, joint: str, policy: LawPolicy) -> WindupResponse | None:
@@ -117,11 +130,6 @@ class WindupResponse:
                 return None
             at_once(columns, runs[k : k + problem.jobs], problem.jobs)
         return cls(problem, arm, joint, bases, found)
-
-    def parts(self, coefficients: Floats) -> dict[str, Floats]:
-        """Return coefficients by record."""
-        ends = np.cumsum([len(basis) for basis in self.bases.values()])[:-1]
-        return dict(zip(self.bases, np.split(coefficients, ends), strict=True))
 
     def moved(self, coefficients: Floats) -> Floats:
         """Return what a latent motion changes of the residual, simulated, shape (n,)."""
