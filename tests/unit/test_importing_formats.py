@@ -1,5 +1,6 @@
 """Claims about logs of every format: written by the formats' own libraries, read back by a map."""
 
+import signal
 import sys
 import tracemalloc
 
@@ -11,6 +12,7 @@ import flexarm
 from flexarm import InvalidFile
 from flexarm.importing.formats import opened
 from flexarm.importing.map_file import Dialect
+from flexarm.importing.trial import _fatal
 
 
 @pytest.mark.parametrize("name", FORMATS)
@@ -330,6 +332,12 @@ def test_a_log_that_ends_its_reader_is_refused(tmp_path):
     (tmp_path / "log.c3d").write_bytes(raw[:at] + b"\x00\xff" + raw[at:])
     with pytest.raises(InvalidFile, match="is damaged: the library that reads it ended with SIG"):
         opened(tmp_path / "log.c3d", Dialect())
+
+
+def test_a_reader_that_others_end_says_nothing_of_its_log():
+    """As the kernel does where memory ends, or a user who waits no longer."""
+    assert [_fatal(-each) for each in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)] == [None] * 3
+    assert (_fatal(-signal.SIGSEGV), _fatal(1), _fatal(0)) == ("SIGSEGV", None, None)
 
 
 def test_an_error_of_a_damaged_log_is_told_as_ever(tmp_path):

@@ -33,10 +33,11 @@ def try_apart(reader: type[Source], path: Path, dialect: Dialect, requests: Sequ
 
 
 def _fatal(code: int) -> str | None:
-    """Return what ended a process; None if it ended by itself."""
+    """Return the fault that ended a process; None if it ended by itself, or others ended it."""
     if os.name == "nt":
         return f"exception {code & 0xFFFFFFFF:#x}" if code & 0xFFFFFFFF >= 0xC0000000 else None
-    return signal.Signals(-code).name if code < 0 else None
+    faults = ("SIGSEGV", "SIGABRT", "SIGBUS", "SIGFPE", "SIGILL")
+    return next((name for name in faults if code == -getattr(signal, name)), None)
 
 
 def _read_all(reader: type[Source], path: Path, dialect: Dialect, requests: Sequence[Request]) -> None:
