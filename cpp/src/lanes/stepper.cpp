@@ -55,6 +55,8 @@ StepperIn<D>::StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D
     if (!all.laws[k].linear) own_laws_.push_back(k);
   }
   for (int lane = 0; lane < static_cast<int>(lane_.size()); ++lane) {
+    const auto grows = [](const auto& beam) { return beam.grows(); };
+    if (std::ranges::any_of(arms[static_cast<std::size_t>(lane)]->beams(), grows)) growing_.push_back(lane);
     take_scalars(lane);
     find_law_forces(lane);
   }
@@ -210,7 +212,7 @@ void StepperIn<D>::advance(double h, const solvers::Drives& drives) {
     factored_h_ = h;
   }
   drives(t_, drive_);
-  for (int k = 0; k < n_lanes; ++k) numbers_.grow_bows(k, *lane_[static_cast<std::size_t>(k)].arm, t_);
+  for (const int k : growing_) numbers_.grow_bows(k, *lane_[static_cast<std::size_t>(k)].arm, t_);
   const Step step{h, coefficients_.alpha, coefficients_.beta, coefficients_.gamma};
   const Drive drive{drive_.s.data(), drive_.v.data(), drive_.v_dot.data(), drive_.torques.data()};
   kernel_.predict(numbers_.arms(), motion_, step, drive);

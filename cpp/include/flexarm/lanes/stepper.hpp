@@ -87,6 +87,7 @@ class StepperIn {
       acceleration_, law_forces_, forces_, active_, fresh_, sizes_;
   Eigen::VectorXd along_;      // scratch
   std::vector<int> own_laws_;  // whose forces are found lane by lane
+  std::vector<int> growing_;   // lanes with beams whose bow grows
   Motion motion_;
 };
 
