@@ -2,7 +2,7 @@
 # flexarm_core_eigen: the same without SuiteSparse, for tests (FLEXARM_TEST_EIGEN). Only `backend_sources` know
 # which library factorises; all others are compiled once, as flexarm_common.
 file(GLOB_RECURSE core_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cpp/src/*.cpp)
-set(backend_sources build_info solvers/blas_info solvers/fill_ordering solvers/sparse_factor)
+set(backend_sources build_info linear_solvers/blas_info linear_solvers/fill_ordering linear_solvers/sparse_factor)
 list(TRANSFORM backend_sources PREPEND ${PROJECT_SOURCE_DIR}/cpp/src/)
 list(TRANSFORM backend_sources APPEND .cpp)
 list(REMOVE_ITEM core_sources ${backend_sources})

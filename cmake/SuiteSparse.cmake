@@ -1,6 +1,6 @@
 # flexarm_suitesparse: KLU with AMD, COLAMD and BTF, and CHOLMOD, where SuiteSparse is present and wanted.
 #   FLEXARM_HAS_KLU      KLU (LGPL) factorises the matrix of a step
-#   FLEXARM_HAS_CHOLMOD  CHOLMOD (LGPL) orders solid parts, by METIS or AMD, for the factor in solvers/. A library that
+#   FLEXARM_HAS_CHOLMOD  CHOLMOD (LGPL) orders solid parts, by METIS or AMD, for the factor in linear_solvers/. A library that
 #                        also holds its supernodal part, which is not called, is GPL, and so is a build that links it;
 #                        FLEXARM_SUITESPARSE=OFF keeps a build free of both
 # That factor is as fast as the BLAS on which CHOLMOD depends (libopenblas-dev); nothing here links a BLAS.

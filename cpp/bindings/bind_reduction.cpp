@@ -10,7 +10,7 @@
 
 namespace py = pybind11;
 using namespace flexarm::reduction;
-using flexarm::solvers::CholeskyReport;
+using flexarm::linear_solvers::CholeskyReport;
 
 namespace {
 

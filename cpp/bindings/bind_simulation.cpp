@@ -5,16 +5,17 @@
 
 #include "bindings.hpp"
 #include "checks.hpp"
-#include "flexarm/simulation/differentiated_run.hpp"
-#include "flexarm/simulation/differentiated_sampled_run.hpp"
+#include "flexarm/sensitivity/differentiated_run.hpp"
+#include "flexarm/sensitivity/differentiated_sampled_run.hpp"
+#include "flexarm/sensitivity/modal_derivative.hpp"
 #include "flexarm/simulation/modal.hpp"
-#include "flexarm/simulation/modal_derivative.hpp"
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/sampled_run.hpp"
 #include "flexarm/simulation/side_by_side.hpp"
 #include "flexarm/simulation/transient.hpp"
 
 namespace py = pybind11;
+using namespace flexarm::sensitivity;
 using namespace flexarm::simulation;
 
 namespace {
@@ -205,7 +206,7 @@ void bind_statics(py::module_& m) {
 }
 
 void bind_transient(py::module_& m) {
-  using flexarm::solvers::HhtStatistics;
+  using flexarm::integrators::HhtStatistics;
   py::class_<HhtStatistics>(m, "HhtStatistics", "Counts of a run.")
       .def_readonly("steps", &HhtStatistics::steps)
       .def_readonly("iterations", &HhtStatistics::iterations)

@@ -14,8 +14,8 @@ using namespace flexarm::simulation;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using flexarm::solvers::HhtMemory;
-using flexarm::solvers::Linearisation;
+using flexarm::integrators::HhtMemory;
+using flexarm::integrators::Linearisation;
 
 namespace {
 
@@ -131,7 +131,7 @@ void bind_moments(py::module_& m) {
         const auto [steps, accepted, contraction, h] = counts;
         Moment now{state_of(system, state), {nullptr, contraction, accepted}, steps};
         if (!factored.empty()) {
-          flexarm::solvers::check_step(h);
+          flexarm::integrators::check_step(h);
           Loads loads{.gravity = system.arm().gravity, .points = {}, .torques = {}};
           for (const auto& [point, force] : forces) loads.points.push_back({.point = point, .force = force});
           checks::fits(system, loads);
@@ -144,8 +144,8 @@ void bind_moments(py::module_& m) {
 }
 
 void bind_steps(py::module_& m) {
-  m.def("check_step", &flexarm::solvers::check_step, "Refuses a time step that is too short or not finite.",
-        py::arg("step"));
+  m.def("check_step", &flexarm::integrators::check_step,
+        "Refuses a time step that is too short or not finite.", py::arg("step"));
   py::class_<Stepping>(m, "Stepping", "One step at a time.")
       .def(py::init<const System&, double, double>(), py::arg("system"), py::arg("step"), py::arg("alpha"),
            py::keep_alive<1, 2>())

@@ -1,16 +1,16 @@
 #include "flexarm/build_info.hpp"
 
 #include "flexarm/build_config.hpp"
-#include "flexarm/solvers/blas_info.hpp"
-#include "flexarm/solvers/fill_ordering.hpp"
+#include "flexarm/linear_solvers/blas_info.hpp"
+#include "flexarm/linear_solvers/fill_ordering.hpp"
 
 namespace flexarm {
 namespace {
 
 std::string cholmod_parts() {
 #ifdef FLEXARM_HAS_CHOLMOD
-  return std::string(solvers::has_gpl_parts() ? "supernodal" : "simplicial") +
-         (solvers::has_metis() ? ", METIS or AMD" : ", AMD");
+  return std::string(linear_solvers::has_gpl_parts() ? "supernodal" : "simplicial") +
+         (linear_solvers::has_metis() ? ", METIS or AMD" : ", AMD");
 #else
   return "not used, Eigen orders by AMD";
 #endif
@@ -29,9 +29,9 @@ std::string licence() {
 #endif
   if (lgpl.empty()) return "BSD-3-Clause with MPL-2.0 Eigen";
   const std::string all = parts + ", LGPL-2.1+ " + lgpl;
-  if (!solvers::has_gpl_parts()) return all;
-  return (solvers::has_metis() ? "GPL-3.0+" : "GPL-2.0+") + std::string(" as a whole: ") + all +
-         ", GPL-2.0+ supernodal CHOLMOD" + (solvers::has_metis() ? ", Apache-2.0 METIS" : "");
+  if (!linear_solvers::has_gpl_parts()) return all;
+  return (linear_solvers::has_metis() ? "GPL-3.0+" : "GPL-2.0+") + std::string(" as a whole: ") + all +
+         ", GPL-2.0+ supernodal CHOLMOD" + (linear_solvers::has_metis() ? ", Apache-2.0 METIS" : "");
 }
 
 BuildInfo collect() {
@@ -52,7 +52,7 @@ BuildInfo collect() {
   info.ordering = "COLAMD of Eigen";
 #endif
   info.cholmod = cholmod_parts();
-  info.blas = solvers::loaded_blas();
+  info.blas = linear_solvers::loaded_blas();
   info.licence = licence();
   return info;
 }

@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "flexarm/errors.hpp"
-#include "flexarm/solvers/blas_info.hpp"
+#include "flexarm/linear_solvers/blas_info.hpp"
 
 namespace flexarm::dense {
 namespace {
@@ -32,14 +32,14 @@ Eigenpairs by_lapack(const MatrixXd& A) {
   // The lengths of Fortran's strings come last.
   using Function = void(const char*, const char*, const int*, double*, const int*, double*, double*,
                         const int*, int*, const int*, int*, std::size_t, std::size_t);
-  static auto* const dsyevd = reinterpret_cast<Function*>(solvers::blas_symbol("dsyevd_"));
+  static auto* const dsyevd = reinterpret_cast<Function*>(linear_solvers::blas_symbol("dsyevd_"));
   if (dsyevd == nullptr) return {};
   const int n = static_cast<int>(A.rows()), n_work = 1 + 6 * n + 2 * n * n, n_integers = 3 + 5 * n;
   Eigenpairs pairs{VectorXd(n), A};
   VectorXd work(n_work);
   Eigen::VectorXi integers(n_integers);
   int info = 0;
-  const solvers::OneBlasThread here;
+  const linear_solvers::OneBlasThread here;
   dsyevd("V", "L", &n, pairs.vectors.data(), &n, pairs.values.data(), work.data(), &n_work, integers.data(),
          &n_integers, &info, 1, 1);
   if (info != 0 || !pairs.values.allFinite()) return {};

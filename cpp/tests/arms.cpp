@@ -130,7 +130,7 @@ void satisfy_constraints(const System& system, State& state) {
     system.violation(state, phi);
     const MatrixXd J = system.constraint_jacobian(state);
     const VectorXd dx = -(J.transpose() * (J * J.transpose()).ldlt().solve(phi));
-    solvers::move(system, dx, state);
+    integrators::move(system, dx, state);
   }
 }
 
@@ -156,7 +156,7 @@ void balance(const System& system, const Loads& loads, State& state) {
   const double h = 1e-4;
   const auto rate_at = [&](double t) -> VectorXd {
     State there = state;
-    solvers::move(system, t * v, there);
+    integrators::move(system, t * v, there);
     return system.constraint_jacobian(there) * v;
   };
   rhs << -r.head(n), -(rate_at(h) - rate_at(-h)) / (2 * h);

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "flexarm/assembly/system.hpp"
-#include "flexarm/solvers/increment.hpp"
+#include "flexarm/integrators/increment.hpp"
 #include "numerics.hpp"
 
 // Designated initialisers name what matters to a test and leave the rest at its default on purpose.

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "flexarm/solvers/fill_ordering.hpp"
+#include "flexarm/linear_solvers/fill_ordering.hpp"
 
 namespace flexarm::tests::build_info_test {
 
@@ -22,9 +22,9 @@ TEST_CASE("The licence of the build names LGPL exactly where SuiteSparse is link
 
 TEST_CASE("The build is GPL as a whole exactly where CHOLMOD brings its supernodal part") {
   const flexarm::BuildInfo info = flexarm::build_info();
-  CHECK((info.licence.rfind("GPL-", 0) == 0) == flexarm::solvers::has_gpl_parts());
-  CHECK(names(info.cholmod, "supernodal") == flexarm::solvers::has_gpl_parts());
-  CHECK(names(info.cholmod, "METIS") == flexarm::solvers::has_metis());
+  CHECK((info.licence.rfind("GPL-", 0) == 0) == flexarm::linear_solvers::has_gpl_parts());
+  CHECK(names(info.cholmod, "supernodal") == flexarm::linear_solvers::has_gpl_parts());
+  CHECK(names(info.cholmod, "METIS") == flexarm::linear_solvers::has_metis());
 }
 
 TEST_CASE("The BLAS is the one that CHOLMOD calls") {

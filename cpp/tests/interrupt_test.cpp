@@ -6,9 +6,9 @@
 #include <thread>
 
 #include "arms.hpp"
+#include "flexarm/eigen/eigenmodes.hpp"
+#include "flexarm/linear_solvers/cholesky_factor.hpp"
 #include "flexarm/simulation/statics.hpp"
-#include "flexarm/solvers/cholesky_factor.hpp"
-#include "flexarm/solvers/eigenmodes.hpp"
 
 namespace flexarm::tests::interrupt_test {
 
@@ -42,10 +42,10 @@ TEST_CASE("Long computations end when they are told to, and go on when they are 
   Eigen::SparseMatrix<double> I(400, 400), none(400, 400), J(0, 400);
   I.setIdentity();
   const auto statics = [&] { flexarm::simulation::static_equilibrium(system, {0.3}, {}); };
-  const auto modes = [&] { flexarm::solvers::eigenmodes(K, none, I, J, 3); };
+  const auto modes = [&] { flexarm::eigen::eigenmodes(K, none, I, J, 3); };
   statics();
   modes();
-  const flexarm::solvers::CholeskyFactor factor(K.triangularView<Eigen::Lower>());
+  const flexarm::linear_solvers::CholeskyFactor factor(K.triangularView<Eigen::Lower>());
   const Stopping stopping;
   CHECK_THROWS_AS(statics(), Stop);
   stopping.wait();

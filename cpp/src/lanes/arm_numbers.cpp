@@ -4,9 +4,9 @@
 #include <numeric>
 #include <utility>
 
-#include "flexarm/solvers/kept_factor.hpp"
-#include "flexarm/solvers/step_matrix.hpp"
-#include "flexarm/solvers/tangent_changes.hpp"
+#include "flexarm/integrators/hht_coefficients.hpp"
+#include "flexarm/integrators/tangent_changes.hpp"
+#include "flexarm/linear_solvers/kept_factor.hpp"
 
 namespace flexarm::lanes {
 namespace {
@@ -19,7 +19,7 @@ int put_frame(Rows& rows, int row, int lane, const geometry::FrameIn<D>& H) {
   return rows.put(rows.put(row, lane, H.R), lane, H.x);
 }
 
-int put_blocks(Rows& rows, int row, int lane, const solvers::PackedMatrix& A, int first, int count) {
+int put_blocks(Rows& rows, int row, int lane, const linear_solvers::PackedMatrix& A, int first, int count) {
   return rows.put_blocks(row, lane, A, first, count, static_cast<int>(A.cols()));
 }
 
@@ -37,10 +37,10 @@ bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent) {
   const auto is_ball = [](const auto& joint) { return joint.type() == joints::JointType::spherical; };
   if (std::ranges::any_of(arm.gears(), winds) || std::ranges::any_of(arm.constraints(), is_ball))
     return false;
-  const solvers::WeldsIn<D> welds(arm, true);
-  if (welds.n_unknowns() > solvers::KeptFactor::largest_inverse) return false;
+  const integrators::WeldsIn<D> welds(arm, true);
+  if (welds.n_unknowns() > linear_solvers::KeptFactor::largest_inverse) return false;
   return !consistent ||
-         solvers::TangentChangesIn<D>(arm, welds, false, arm.constraints().size()).follows_constraints();
+         integrators::TangentChangesIn<D>(arm, welds, false, arm.constraints().size()).follows_constraints();
 }
 
 template <int D>
@@ -76,7 +76,7 @@ template <int D>
 ArmNumbersIn<D>::ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms,
                               const std::vector<LoadsIn<D>>& loads, int lanes)
     : lanes_(lanes) {
-  for (const SystemIn<D>* arm : arms) welds_.push_back(std::make_unique<solvers::WeldsIn<D>>(*arm, true));
+  for (const SystemIn<D>* arm : arms) welds_.push_back(std::make_unique<integrators::WeldsIn<D>>(*arm, true));
   place_points(arms);
   for (const SystemIn<D>* arm : arms) {
     for (const auto& beam : arm->beams()) arms_.damped = arms_.damped || beam.damping_time() > 0;
@@ -116,7 +116,7 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
   constexpr int n = geometry::freedoms<D>;
   for (const auto& beam : arm.beams()) beam_nodes_.insert(beam_nodes_.end(), {beam.node1(), beam.node2()});
   for (const auto& body : arm.bodies()) body_nodes_.push_back(body.node());
-  const solvers::WeldsIn<D>& welds = *welds_.front();
+  const integrators::WeldsIn<D>& welds = *welds_.front();
   int row = 0;
   for (std::size_t k = 0; k < arm.constraints().size(); ++k) {
     const auto& joint = arm.constraints()[k];
@@ -236,7 +236,7 @@ void ArmNumbersIn<D>::fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& l
     row = put_frame(follower_frames_, row, lane, follower.X_inverse);
   }
   reach_(0, lane) = arm.reach();
-  mass_scale_(0, lane) = solvers::constraint_scale(arm);
+  mass_scale_(0, lane) = integrators::constraint_scale(arm);
   row = 0;
   for (const auto& point : arm.points()) row = point_offsets_.put(row, lane, point.offset.x);
   fill_sections(lane, arm);
@@ -284,7 +284,7 @@ void ArmNumbersIn<D>::set_order(std::vector<int> order) {
 
 /// Room for inverses that are cut like this one.
 template <int D>
-void ArmNumbersIn<D>::cut(const solvers::DissectedInverse& inverse) {
+void ArmNumbersIn<D>::cut(const linear_solvers::DissectedInverse& inverse) {
   set_order(inverse.order());
   for (const auto& part : inverse.parts()) boundaries_.push_back(part.boundary);
   int inner = 0;
@@ -305,14 +305,14 @@ void ArmNumbersIn<D>::cut(const solvers::DissectedInverse& inverse) {
 }
 
 template <int D>
-bool ArmNumbersIn<D>::cut_as(const solvers::DissectedInverse& inverse) const {
+bool ArmNumbersIn<D>::cut_as(const linear_solvers::DissectedInverse& inverse) const {
   return inverse.order() == cut_order_ &&
          std::equal(boundaries_.begin(), boundaries_.end(), inverse.parts().begin(), inverse.parts().end(),
                     [](const auto& boundary, const auto& part) { return boundary == part.boundary; });
 }
 
 template <int D>
-bool ArmNumbersIn<D>::set_inverse(int lane, const solvers::DissectedInverse* inverse) {
+bool ArmNumbersIn<D>::set_inverse(int lane, const linear_solvers::DissectedInverse* inverse) {
   const bool fits = inverse != nullptr && !inverse->eliminates_first();
   if (std::exchange(is_first_, false) && fits) cut(*inverse);
   if (!fits || !cut_as(*inverse)) return false;

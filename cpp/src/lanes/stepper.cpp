@@ -2,18 +2,19 @@
 
 #include <algorithm>
 
-#include "flexarm/solvers/increment.hpp"
-#include "flexarm/solvers/step_iteration.hpp"
-#include "flexarm/solvers/step_matrix.hpp"
+#include "flexarm/integrators/hht_coefficients.hpp"
+#include "flexarm/integrators/increment.hpp"
+#include "flexarm/integrators/step_iteration.hpp"
 
 namespace flexarm::lanes {
 
-using solvers::StepIteration;
+using integrators::StepIteration;
 
 template <int D>
 StepperIn<D>::StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D>*>& arms,
                         const std::vector<LoadsIn<D>>& loads, const std::vector<StateIn<D>>& states,
-                        const solvers::HhtCoefficients& coefficients, const solvers::HhtOptions& options)
+                        const integrators::HhtCoefficients& coefficients,
+                        const integrators::HhtOptions& options)
     : kernel_(kernel),
       coefficients_(coefficients),
       options_(options),
@@ -46,7 +47,7 @@ StepperIn<D>::StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D
   sizes_ = Rows(1, lanes);
   for (std::size_t k = 0; k < arms.size(); ++k) {
     lane_.push_back({arms[k], loads[k], states[k], assembly::IterationMatrixIn<D>(*arms[k]),
-                     solvers::TangentChangesIn<D>(*arms[k], numbers_.welds(static_cast<int>(k)))});
+                     integrators::TangentChangesIn<D>(*arms[k], numbers_.welds(static_cast<int>(k)))});
   }
   for (int lane = 0; lane < lanes; ++lane) {
     put(lane, states[lane < static_cast<int>(states.size()) ? static_cast<std::size_t>(lane) : 0]);
@@ -168,7 +169,7 @@ void StepperIn<D>::solve(const Step& step, const Drive& drive) {
 template <int D>
 StateIn<D> StepperIn<D>::final_state(int lane) const {
   StateIn<D> found = state(lane);
-  if (own_laws_.empty()) solvers::remember_laws(*lane_[static_cast<std::size_t>(lane)].arm, found);
+  if (own_laws_.empty()) integrators::remember_laws(*lane_[static_cast<std::size_t>(lane)].arm, found);
   LoadsIn<D> loads = lane_[static_cast<std::size_t>(lane)].loads;
   loads.torques = drive_.torques;
   numbers_.welds(lane).find_forces(found, loads);
@@ -184,13 +185,13 @@ template <int D>
 bool StepperIn<D>::factor(int lane, double h) {
   Lane& own = lane_[static_cast<std::size_t>(lane)];
   const StateIn<D> here = state(lane);
-  const auto c = solvers::step_factors(coefficients_, h, solvers::constraint_scale(*own.arm));
+  const auto c = integrators::step_factors(coefficients_, h, integrators::constraint_scale(*own.arm));
   const Eigen::VectorXd law_tangents = own.arm->law_tangents(here, c, true);
   ++own.statistics.factorisations;
   const auto* S = own.matrix.assemble(here, own.loads, c, law_tangents);
   if (S == nullptr) return false;
   const auto& welds = numbers_.welds(lane);
-  auto factor = std::make_unique<solvers::KeptFactor>();
+  auto factor = std::make_unique<linear_solvers::KeptFactor>();
   if (!factor->factor(welds.any() ? welds.reduce(*S) : *S)) return false;
   own.changes.keep(here, c, law_tangents, factor->by_substitution());
   const bool with_others = numbers_.set_inverse(lane, factor->inverse());
@@ -201,7 +202,7 @@ bool StepperIn<D>::factor(int lane, double h) {
 }
 
 template <int D>
-void StepperIn<D>::advance(double h, const solvers::Drives& drives) {
+void StepperIn<D>::advance(double h, const integrators::Drives& drives) {
   const int n_lanes = static_cast<int>(lane_.size());
   t_ += h;
   if (factored_h_ != h) {
@@ -223,7 +224,7 @@ void StepperIn<D>::advance(double h, const solvers::Drives& drives) {
     lane.statistics.steps += lane.runs;
     if (own_laws_.empty() || !lane.runs) continue;
     take_scalars(k);
-    solvers::remember_laws(*lane.arm, lane.now);
+    integrators::remember_laws(*lane.arm, lane.now);
     find_law_forces(k);
   }
 }

@@ -11,10 +11,10 @@ namespace flexarm::reduction {
 namespace {
 
 using Eigen::Index;
+using eigen::LanczosModes;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using solvers::LanczosModes;
-using solvers::LowerTriangle;
+using linear_solvers::LowerTriangle;
 using std::numbers::pi;
 
 double seconds() {
@@ -69,12 +69,12 @@ void check(const ReductionOptions& options) {
 
 LanczosModes fixed_interface_modes(const FixedInterface& part, const LowerTriangle& M,
                                    const ReductionOptions& options, const Phases& phases, int& block) {
-  solvers::LanczosOptions lanczos;
+  eigen::LanczosOptions lanczos;
   lanczos.count = options.modes;
   lanczos.max_lambda = std::pow(2 * pi * options.max_frequency, 2);
   block = lanczos.block;
-  return solvers::block_lanczos([&](const MatrixXd& F) { return part.solve(F); }, M, lanczos,
-                                [&](double done) { phases.tell(done); });
+  return eigen::block_lanczos([&](const MatrixXd& F) { return part.solve(F); }, M, lanczos,
+                              [&](double done) { phases.tell(done); });
 }
 
 /// Eq. (2) and (3); what is known exactly is written exactly.
@@ -87,7 +87,7 @@ void fill_matrices(const LowerTriangle& K, const LowerTriangle& M, const std::ve
   reduced.stiffness = MatrixXd::Zero(n + m, n + m);
   reduced.stiffness.topLeftCorner(n, n) = static_part.matrix;
   reduced.stiffness.diagonal().tail(m) = modes.lambda;
-  const MatrixXd M_Psi = solvers::multiply(M, Psi);
+  const MatrixXd M_Psi = linear_solvers::multiply(M, Psi);
   const MatrixXd half = 0.5 * Psi.transpose() * M_Psi;
   reduced.mass = MatrixXd::Identity(n + m, n + m);
   reduced.mass.topLeftCorner(n, n) = half + half.transpose();

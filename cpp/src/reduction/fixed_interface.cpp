@@ -8,7 +8,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using solvers::LowerTriangle;
+using linear_solvers::LowerTriangle;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 // Beside entries of size one: below it two average interfaces say the same.
@@ -45,15 +45,15 @@ SparseMatrix submatrix(const LowerTriangle& A, const std::vector<int>& kept) {
   return B;
 }
 
-std::unique_ptr<const solvers::CholeskyFactor> factor_inner(const LowerTriangle& K,
-                                                            const std::vector<int>& inner,
-                                                            const Coordinates& coordinates) {
+std::unique_ptr<const linear_solvers::CholeskyFactor> factor_inner(const LowerTriangle& K,
+                                                                   const std::vector<int>& inner,
+                                                                   const Coordinates& coordinates) {
   if (inner.empty()) {
     throw InvalidParameter("the rigid interfaces hold every point of the part: nothing is left to reduce");
   }
   try {
-    return std::make_unique<solvers::CholeskyFactor>(submatrix(K, inner));
-  } catch (const solvers::NotPositiveDefinite& error) {
+    return std::make_unique<linear_solvers::CholeskyFactor>(submatrix(K, inner));
+  } catch (const linear_solvers::NotPositiveDefinite& error) {
     throw InvalidParameter(
         name_of_freedom(coordinates, inner[static_cast<std::size_t>(error.column)]) +
         ": with all interfaces held the part still moves there without force; is a piece of "

@@ -8,7 +8,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using solvers::LowerTriangle;
+using linear_solvers::LowerTriangle;
 
 /// One for translations, `length` for rotations: freedoms of equal unit.
 VectorXd equal_units(Index n_freedoms, double length) {
@@ -44,14 +44,14 @@ MatrixXd constraint_modes(const LowerTriangle& K, const FixedInterface& part, co
   for (std::size_t k = 0; k < maps.average_columns.size(); ++k) {
     q_a.block<6, 6>(6 * static_cast<Index>(k), maps.average_columns[k]).setIdentity();
   }
-  Psi += part.solve(-solvers::multiply(K, Psi), q_a - maps.average.transpose() * Psi);  // eq. (1)
+  Psi += part.solve(-linear_solvers::multiply(K, Psi), q_a - maps.average.transpose() * Psi);  // eq. (1)
   restore_rigid_motion(Psi, coordinates, interfaces, support);
   return Psi;
 }
 
 InterfaceStiffness interface_stiffness(const LowerTriangle& K, const MatrixXd& Psi,
                                        const std::vector<Interface>& interfaces, const Support& support) {
-  const MatrixXd raw = Psi.transpose() * solvers::multiply(K, Psi);  // eq. (2)
+  const MatrixXd raw = Psi.transpose() * linear_solvers::multiply(K, Psi);  // eq. (2)
   const VectorXd inverse = equal_units(Psi.cols(), support.length).cwiseInverse();
   const MatrixXd scaled = inverse.asDiagonal() * (0.5 * (raw + raw.transpose())) * inverse.asDiagonal();
   const MatrixXd Q = rigid_basis(interfaces, support);

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-using solvers::LowerTriangle;
+using linear_solvers::LowerTriangle;
 using std::numbers::pi;
 
 // The sums (2) are quadratic in this residual.
@@ -27,13 +27,13 @@ constexpr double trusted_error = 0.01;
 /// X = M_ii⁻¹ F by conjugate gradients, preconditioned by the diagonal: a mass matrix is well-conditioned, so
 /// some tens of turns do. `free` is one where a freedom is inner and has mass, zero elsewhere.
 MatrixXd solve_mass(const LowerTriangle& M, const VectorXd& free, const MatrixXd& F) {
-  const VectorXd inverse = free.cwiseQuotient(solvers::diagonal(M).cwiseMax(1e-300));
+  const VectorXd inverse = free.cwiseQuotient(linear_solvers::diagonal(M).cwiseMax(1e-300));
   MatrixXd X = MatrixXd::Zero(F.rows(), F.cols()), R = free.asDiagonal() * F, Z = inverse.asDiagonal() * R,
            P = Z;
   VectorXd rz = R.cwiseProduct(Z).colwise().sum();
   const VectorXd target = mass_tolerance * mass_tolerance * rz;
   for (int turn = 0; turn < mass_turns && (rz.array() > target.array()).any(); ++turn) {
-    const MatrixXd MP = free.asDiagonal() * solvers::multiply(M, P);
+    const MatrixXd MP = free.asDiagonal() * linear_solvers::multiply(M, P);
     const VectorXd curvature = P.cwiseProduct(MP).colwise().sum();
     const VectorXd step = (curvature.array() > 0).select(rz.cwiseQuotient(curvature), 0.0);
     X += P * step.asDiagonal();
@@ -48,7 +48,7 @@ MatrixXd solve_mass(const LowerTriangle& M, const VectorXd& free, const MatrixXd
 }
 
 VectorXd inner_with_mass(const LowerTriangle& M, const InterfaceMaps& maps) {
-  VectorXd free = (solvers::diagonal(M).array() > 0).cast<double>();
+  VectorXd free = (linear_solvers::diagonal(M).array() > 0).cast<double>();
   for (Index j = 0; j < free.size(); ++j) {
     if (maps.follows[static_cast<std::size_t>(j)]) free[j] = 0;
   }
@@ -75,7 +75,7 @@ VectorXd movable(const LowerTriangle& M, const InterfaceMaps& maps, const Matrix
 void weigh(const LowerTriangle& M, const Coordinates& coordinates, const InterfaceMaps& maps,
            const Support& support, const MatrixXd& shapes, Quality& quality) {
   const MatrixXd about_mean = rigid_motion(coordinates, support.centre);
-  const MatrixXd rough = about_mean.transpose() * solvers::multiply(M, about_mean);
+  const MatrixXd rough = about_mean.transpose() * linear_solvers::multiply(M, about_mean);
   quality.mass = rough.topLeftCorner<3, 3>().trace() / 3;
   // The upper right block of RᵀMR is −m c~.
   const Eigen::Matrix3d moment = rough.topRightCorner<3, 3>();
@@ -83,7 +83,7 @@ void weigh(const LowerTriangle& M, const Coordinates& coordinates, const Interfa
   quality.centre = support.centre;
   if (quality.mass > 0) quality.centre += first / (2 * quality.mass);
   const MatrixXd R = rigid_motion(coordinates, quality.centre);
-  const MatrixXd MR = solvers::multiply(M, R);
+  const MatrixXd MR = linear_solvers::multiply(M, R);
   quality.inertia = (R.transpose() * MR).bottomRightCorner<3, 3>();
   quality.effective_mass = (shapes.transpose() * MR).cwiseAbs2();  // eq. (1)
   quality.movable_mass = movable(M, maps, MR);
@@ -102,7 +102,7 @@ void estimate_errors(const LowerTriangle& K, const LowerTriangle& M, const Fixed
   if (n == 0) return;
   const VectorXd lambda = free.values.segment(6, n);
   const MatrixXd U = T * free.vectors.middleCols(6, n);
-  const MatrixXd r = solvers::multiply(K, U) - solvers::multiply(M, U) * lambda.asDiagonal();
+  const MatrixXd r = linear_solvers::multiply(K, U) - linear_solvers::multiply(M, U) * lambda.asDiagonal();
   const VectorXd S = (1 - lambda.array() / left_out_lambda).rsqrt();
   const MatrixXd E = S.asDiagonal() * (r.transpose() * part.solve(r)) * S.asDiagonal();
   const MatrixXd condensed = MatrixXd(lambda.asDiagonal()) - 0.5 * (E + E.transpose());  // eq. (3)

@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-using solvers::LowerTriangle;
+using linear_solvers::LowerTriangle;
 
 // Rows of (1) in parts of the diagonal: matrices written in single precision leave 1e-6.
 constexpr double grounded_part = 1e-5;
@@ -46,7 +46,7 @@ void mark_used(const LowerTriangle& A, std::vector<bool>& used) {
 }
 
 void check_freedoms(const LowerTriangle& K, const std::vector<bool>& used, const Coordinates& coordinates) {
-  const VectorXd stiffness = solvers::diagonal(K);
+  const VectorXd stiffness = linear_solvers::diagonal(K);
   for (Index j = 0; j < stiffness.size(); ++j) {
     if (!used[static_cast<std::size_t>(j / 3)] || stiffness[j] > 0) continue;
     std::ostringstream message;
@@ -69,8 +69,8 @@ void check_interfaces_used(const std::vector<Interface>& interfaces, const std::
 /// Eq. (1), row by row.
 void check_free(const LowerTriangle& K, const Coordinates& coordinates, const Support& support) {
   const VectorXd left =
-      solvers::multiply(K, rigid_motion(coordinates, support)).cwiseAbs().rowwise().maxCoeff();
-  const VectorXd own = solvers::diagonal(K);
+      linear_solvers::multiply(K, rigid_motion(coordinates, support)).cwiseAbs().rowwise().maxCoeff();
+  const VectorXd own = linear_solvers::diagonal(K);
   Index worst = 0;
   const double part = left.cwiseQuotient(own.cwiseMax(1e-300)).maxCoeff(&worst);
   if (part <= grounded_part) return;

@@ -2,7 +2,7 @@
 
 #include "flexarm/assembly/constraint_forces.hpp"
 #include "flexarm/errors.hpp"
-#include "flexarm/solvers/step_matrix.hpp"
+#include "flexarm/integrators/hht_coefficients.hpp"
 
 namespace flexarm::simulation {
 namespace {
@@ -28,7 +28,7 @@ const Eigen::SparseMatrix<double>& masses_and_constraints(const assembly::System
 template <int D>
 ConsistentForcesIn<D>::ConsistentForcesIn(const assembly::SystemIn<D>& system, std::size_t most_joints)
     : system_(system),
-      scale_(solvers::constraint_scale(system)),
+      scale_(integrators::constraint_scale(system)),
       matrix_(system),
       none_(system, false),
       changes_(system, none_, false, most_joints),
@@ -68,7 +68,7 @@ void ConsistentForcesIn<D>::factor(const assembly::StateIn<D>& state) {
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(system_.n_unknowns(), system_.n_constraints());
   columns.bottomRows(columns.cols()).diagonal().setConstant(-scale_);
   kept_.by_substitution().solve(columns);
-  by_constraints_ = solvers::PackedMatrix(columns);
+  by_constraints_ = linear_solvers::PackedMatrix(columns);
   padded_.resize(by_constraints_.filled_rows());
 }
 

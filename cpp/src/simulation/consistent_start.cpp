@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "flexarm/linear_solvers/kept_factor.hpp"
 #include "flexarm/simulation/consistent_forces.hpp"
-#include "flexarm/solvers/kept_factor.hpp"
 
 namespace flexarm::simulation {
 namespace {
@@ -18,9 +18,10 @@ bool driven_by_torque(const System& system) {
                              [](assembly::DriveKind kind) { return kind == assembly::DriveKind::torque; });
 }
 
-solvers::DriveValues values_at(const SpatialSystem& system, const solvers::Drives& drives, double time) {
+integrators::DriveValues values_at(const SpatialSystem& system, const integrators::Drives& drives,
+                                   double time) {
   const VectorXd zero = VectorXd::Zero(system.n_scalars());
-  solvers::DriveValues values{zero, zero, zero, zero};
+  integrators::DriveValues values{zero, zero, zero, zero};
   drives(time, values);
   return values;
 }
@@ -68,18 +69,18 @@ class MassesAndConstraints {
   Eigen::SparseMatrix<double> A_;
   std::vector<int> massless_;
   double added_ = 0;
-  solvers::KeptFactor factor_;
+  linear_solvers::KeptFactor factor_;
   bool regular_ = false;
 };
 
 }  // namespace
 
 Equilibrium consistent_start(const System& system, const Equilibrium& equilibrium,
-                             const solvers::Drives& drives, double time) {
+                             const integrators::Drives& drives, double time) {
   const bool moves = !equilibrium.state.v.isZero(0);
   if (!moves && !driven_by_torque(system)) return equilibrium;
   Equilibrium start = equilibrium;
-  const solvers::DriveValues told = values_at(system, drives, time);
+  const integrators::DriveValues told = values_at(system, drives, time);
   start.loads.torques = told.torques;
   if (moves) {
     const int n_driven = system.n_velocities() - system.n_free();
@@ -104,7 +105,7 @@ StateDerivative consistent_start(const System& system, const Equilibrium& start,
   const StateDerivative at_rest = derivative;
   for (Eigen::Index k = 0; k < derivative.size(); ++k) {
     const Variation& p = variations[static_cast<std::size_t>(k)];
-    const auto in = [&](const SpatialSystem& model, const solvers::Drives& drives, double amount) {
+    const auto in = [&](const SpatialSystem& model, const integrators::Drives& drives, double amount) {
       Loads loads = start.loads;
       if (drives) loads.torques = values_at(system, drives, time).torques;
       return unbalanced(model, moved(system, start.state, at_rest, k, amount), loads, scale);

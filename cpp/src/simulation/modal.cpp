@@ -29,8 +29,8 @@ Modes modes(const System& system, const Equilibrium& equilibrium, int count) {
   };
   Eigen::SparseMatrix<double> C = part(0, 1, 0);
   C.prune(0.0);
-  const solvers::Eigenmodes found =
-      solvers::eigenmodes(part(0, 0, 1), C, part(1, 0, 0), system.constraint_jacobian(state), count);
+  const eigen::Eigenmodes found =
+      eigen::eigenmodes(part(0, 0, 1), C, part(1, 0, 0), system.constraint_jacobian(state), count);
   Modes modes;
   modes.iterations = found.iterations;
   const Eigen::Index n = found.omega_squared.size();

@@ -3,7 +3,7 @@
 namespace flexarm::simulation {
 namespace {
 
-const solvers::HhtCoefficients damped = solvers::HhtCoefficients::from_alpha(-1.0 / 3);
+const integrators::HhtCoefficients damped = integrators::HhtCoefficients::from_alpha(-1.0 / 3);
 
 }  // namespace
 

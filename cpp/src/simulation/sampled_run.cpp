@@ -49,7 +49,7 @@ SampledRun::SampledRun(const System& system, const Equilibrium& equilibrium,
       state_(equilibrium.state),
       start_(equilibrium),
       n_steps_(number_of_steps(system.joints().size(), drives, options)),
-      stepper_(system, solvers::HhtCoefficients::from_alpha(options.alpha), equilibrium.loads,
+      stepper_(system, integrators::HhtCoefficients::from_alpha(options.alpha), equilibrium.loads,
                {.tolerance = options.tolerance}),
       drive_(drives_of_joints(system, equilibrium.state, std::move(drives))),
       torques_(Eigen::VectorXd::Zero(system.n_scalars())),
@@ -77,7 +77,7 @@ void SampledRun::hold(const Eigen::VectorXd& motor_torque) {
   }
 }
 
-void SampledRun::torques_at(double t, solvers::DriveValues& values) {
+void SampledRun::torques_at(double t, integrators::DriveValues& values) {
   drive_(t, values);
   for (std::size_t j = 0; j < system_.joints().size(); ++j) {
     if (system_.drives()[j] != assembly::DriveKind::torque) continue;
@@ -92,7 +92,7 @@ const Equilibrium& SampledRun::let_go(const Eigen::VectorXd& motor_torque) {
   hold(motor_torque);
   start_ = consistent_start(
       system_, {state_, start_.loads},
-      [this](double t, solvers::DriveValues& values) { torques_at(t, values); }, options_.start);
+      [this](double t, integrators::DriveValues& values) { torques_at(t, values); }, options_.start);
   state_ = start_.state;
   state_.t = state_.start = options_.start;
   recorder_.record(0, state_, start_.loads);
@@ -102,7 +102,7 @@ const Equilibrium& SampledRun::let_go(const Eigen::VectorXd& motor_torque) {
 void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
   let_go(motor_torque);
   hold(motor_torque);
-  const auto drives = [this](double t, solvers::DriveValues& values) { torques_at(t, values); };
+  const auto drives = [this](double t, integrators::DriveValues& values) { torques_at(t, values); };
   for (const Eigen::Index last = std::min(k_ + n_steps, n_steps_); k_ < last;) {
     stepper_.advance(state_, options_.step, drives);
     state_.t = options_.start + static_cast<double>(++k_) * options_.step;  // no drift from adding up

@@ -103,8 +103,8 @@ class Group {
         options_(options),
         n_steps_(n_steps),
         lanes_(kernel.lanes),
-        stepper_(kernel, systems(), loads(), states(), solvers::HhtCoefficients::from_alpha(options.alpha),
-                 {.tolerance = options.tolerance}),
+        stepper_(kernel, systems(), loads(), states(),
+                 integrators::HhtCoefficients::from_alpha(options.alpha), {.tolerance = options.tolerance}),
         block_(static_cast<int>(instants_at_once) * stepper_.recorded_rows(), lanes_),
         runs_(arms_.size()) {
     if (options.has_consistent_forces()) {
@@ -117,7 +117,7 @@ class Group {
   }
 
   /// @return false if `told` says so
-  bool run(const solvers::Drives& drives, const std::function<bool(Eigen::Index steps)>& told) {
+  bool run(const integrators::Drives& drives, const std::function<bool(Eigen::Index steps)>& told) {
     const auto began = Clock::now();
     auto called = began;
     record(0);

@@ -1,7 +1,7 @@
 #include "flexarm/simulation/snapshots.hpp"
 
+#include "flexarm/integrators/increment.hpp"
 #include "flexarm/simulation/recorder.hpp"
-#include "flexarm/solvers/increment.hpp"
 
 namespace flexarm::simulation {
 namespace {
@@ -13,7 +13,7 @@ using geometry::Vector6d;
 constexpr double small = 1e-5;
 
 Vector6d point_velocity(const System& system, State state, int point, double along) {
-  solvers::move(system, along * state.v.head(system.n_free()), state);
+  integrators::move(system, along * state.v.head(system.n_free()), state);
   return system.point_velocity(state, point);
 }
 
@@ -57,7 +57,7 @@ Snapshots snapshots(const System& system, const std::vector<State>& states, cons
 State displaced(const System& system, const State& state, const Eigen::VectorXd& increment,
                 const Eigen::VectorXd& v, const Eigen::VectorXd& v_dot) {
   State moved = state;
-  solvers::move(system, increment, moved);
+  integrators::move(system, increment, moved);
   moved.v.head(system.n_free()) = v;
   moved.v_dot.head(system.n_free()) = v_dot;
   return moved;

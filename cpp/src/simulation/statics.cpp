@@ -5,10 +5,10 @@
 #include <cstdio>
 
 #include "flexarm/errors.hpp"
+#include "flexarm/integrators/increment.hpp"
 #include "flexarm/interrupt.hpp"
+#include "flexarm/linear_solvers/sparse_factor.hpp"
 #include "flexarm/simulation/backlash.hpp"
-#include "flexarm/solvers/increment.hpp"
-#include "flexarm/solvers/sparse_factor.hpp"
 
 namespace flexarm::simulation {
 namespace {
@@ -49,10 +49,10 @@ class Newton {
       unbalanced(state, loads);
       dx_ << -r_.head(system_.n_free()), -scale_ * phi_;
       factor_.solve(dx_);  // eq. (1)
-      const double size = solvers::increment_norm(system_, dx_);
+      const double size = integrators::increment_norm(system_, dx_);
       if (!dx_.allFinite()) return Outcome::diverged;
       const double part = std::min(1.0, longest_increment / size);
-      solvers::move(system_, part * dx_.head(system_.n_free()), state);
+      integrators::move(system_, part * dx_.head(system_.n_free()), state);
       state.multipliers += part * scale_ * dx_.tail(system_.n_constraints());
       if (size < options_.tolerance) {
         residual = unbalanced(state, loads);
@@ -77,7 +77,7 @@ class Newton {
   const StaticOptions& options_;
   double scale_;
   VectorXd r_, phi_, dx_;
-  solvers::SparseFactor factor_;
+  linear_solvers::SparseFactor factor_;
 };
 
 Loads scaled(const Loads& loads, double fraction) {

@@ -56,9 +56,9 @@ std::vector<Path> paths(const System& system, const State& state, const std::vec
 Stepping::Stepping(const System& system, double step, double alpha)
     : system_(system),
       step_(step),
-      stepper_(system, solvers::HhtCoefficients::from_alpha(alpha), Loads{system.arm().gravity, {}, {}},
+      stepper_(system, integrators::HhtCoefficients::from_alpha(alpha), Loads{system.arm().gravity, {}, {}},
                {.reproducible = true}) {
-  solvers::check_step(step);
+  integrators::check_step(step);
 }
 
 Moment Stepping::advance(const Moment& from, const std::vector<JointInput>& inputs,
@@ -68,7 +68,7 @@ Moment Stepping::advance(const Moment& from, const std::vector<JointInput>& inpu
                            " joints is needed, got " + std::to_string(inputs.size()));
   }
   const std::vector<Path> driven = paths(system_, from.state, inputs, step_);
-  const solvers::Drives drives = [&](double t, solvers::DriveValues& values) {
+  const integrators::Drives drives = [&](double t, integrators::DriveValues& values) {
     system_.pedestal().shake(t, values.torques);
     const double x = (t - from.state.t) / step_;
     for (const Path& path : driven) {

@@ -32,8 +32,8 @@ void Transient::finish(Eigen::Index n) {
 }
 
 template <int D>
-solvers::Drives drives_of_joints(const assembly::SystemIn<D>& system, const assembly::StateIn<D>& state,
-                                 std::vector<PiecewisePolynomial> drives) {
+integrators::Drives drives_of_joints(const assembly::SystemIn<D>& system, const assembly::StateIn<D>& state,
+                                     std::vector<PiecewisePolynomial> drives) {
   struct Driven {
     int phi;
     DriveKind kind;
@@ -51,8 +51,8 @@ solvers::Drives drives_of_joints(const assembly::SystemIn<D>& system, const asse
          kind == DriveKind::locked ? PiecewisePolynomial::constant(state.s[phi]) : std::move(drives[j]),
          kind == DriveKind::link_angle ? system.transmission(static_cast<int>(j)) : nullptr, 0});
   }
-  return [driven = std::move(driven), pedestal = system.pedestal()](double t,
-                                                                    solvers::DriveValues& values) mutable {
+  return [driven = std::move(driven), pedestal = system.pedestal()](
+             double t, integrators::DriveValues& values) mutable {
     pedestal.shake(t, values.torques);
     for (Driven& d : driven) {
       auto [value, first, second] = d.value(t, d.piece);
@@ -73,14 +73,14 @@ solvers::Drives drives_of_joints(const assembly::SystemIn<D>& system, const asse
   };
 }
 
-template solvers::Drives drives_of_joints<2>(const assembly::SystemIn<2>&, const assembly::StateIn<2>&,
-                                             std::vector<PiecewisePolynomial>);
-template solvers::Drives drives_of_joints<3>(const assembly::SystemIn<3>&, const assembly::StateIn<3>&,
-                                             std::vector<PiecewisePolynomial>);
+template integrators::Drives drives_of_joints<2>(const assembly::SystemIn<2>&, const assembly::StateIn<2>&,
+                                                 std::vector<PiecewisePolynomial>);
+template integrators::Drives drives_of_joints<3>(const assembly::SystemIn<3>&, const assembly::StateIn<3>&,
+                                                 std::vector<PiecewisePolynomial>);
 
 Eigen::Index number_of_steps(std::size_t n_joints, const std::vector<PiecewisePolynomial>& drives,
                              const TransientOptions& options) {
-  solvers::check_step(options.step);
+  integrators::check_step(options.step);
   if (!(options.end > options.start && std::isfinite(options.end - options.start))) {
     throw InvalidParameter("the end of a run must lie after its start " + std::to_string(options.start) +
                            " s, got " + std::to_string(options.end) + " s");
@@ -106,11 +106,12 @@ using RecordIn =
 /// The steps of a run. @return the state at its end
 template <int D>
 assembly::StateIn<D> walk(const assembly::SystemIn<D>& system, assembly::StateIn<D> state,
-                          const assembly::LoadsIn<D>& loads, const solvers::Drives& drive,
+                          const assembly::LoadsIn<D>& loads, const integrators::Drives& drive,
                           Eigen::Index n_steps, const TransientOptions& options, const Progress& progress,
-                          const solvers::FollowerIn<D>& follower, const RecordIn<D>& record, Transient& run) {
-  solvers::HhtStepperIn<D> stepper(
-      system, solvers::HhtCoefficients::from_alpha(options.alpha), loads,
+                          const integrators::FollowerIn<D>& follower, const RecordIn<D>& record,
+                          Transient& run) {
+  integrators::HhtStepperIn<D> stepper(
+      system, integrators::HhtCoefficients::from_alpha(options.alpha), loads,
       {.tolerance = options.tolerance, .weld = !options.record_forces && !follower});
   stepper.follow_with(follower);
   const auto began = Clock::now();

@@ -38,7 +38,7 @@ TEST_CASE("Friction enters the tangent with its present stiffness") {
   const int n = system.n_free();
   const auto f = [&](const VectorXd& dx) -> VectorXd {
     State there = state;
-    flexarm::solvers::move(system, dx, there);
+    flexarm::integrators::move(system, dx, there);
     VectorXd r(system.n_velocities());
     system.residual(there, Loads{}, true, r);
     return r.head(n);

@@ -84,7 +84,7 @@ TEST_CASE("The tangent is the derivative of equilibrium and constraints by posit
     const Loads loads = some_loads(system);
     const auto f = [&](const VectorXd& dx) {
       State there = state;
-      flexarm::solvers::move(system, dx.head(system.n_free()), there);
+      flexarm::integrators::move(system, dx.head(system.n_free()), there);
       there.multipliers += dx.tail(system.n_constraints());
       return equations(system, there, loads);
     };
@@ -236,7 +236,7 @@ TEST_CASE("The velocity of a point is the rate of its position") {
     const Frame H = system.point_frame(state, p);
     const auto motion = [&](const VectorXd& t) -> VectorXd {
       State there = state;
-      flexarm::solvers::move(system, t[0] * state.v.head(system.n_free()), there);
+      flexarm::integrators::move(system, t[0] * state.v.head(system.n_free()), there);
       return flexarm::geometry::log6(relative(H, system.point_frame(there, p)));
     };
     CHECK(error(system.point_velocity(state, p), differences(motion, 1)) < 1e-10);

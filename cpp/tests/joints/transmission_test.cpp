@@ -73,7 +73,7 @@ TEST_CASE("Driven at its output, a motor follows ψ⁻¹ and its derivatives") {
   const auto drive = drives_of_joints(system, state, {PiecewisePolynomial({0, 2}, cubic)});
   const int phi = system.joints()[0].phi;
   const auto at = [&](double t) {
-    flexarm::solvers::DriveValues values;
+    flexarm::integrators::DriveValues values;
     values.s = values.v = values.v_dot = values.torques = VectorXd::Zero(system.n_scalars());
     drive(t, values);
     return Vector3d(values.s[phi], values.v[phi], values.v_dot[phi]);

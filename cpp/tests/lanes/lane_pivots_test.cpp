@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "flexarm/geometry/pack.hpp"
+#include "flexarm/simd/pack.hpp"
 #include "numerics.hpp"
 
 namespace flexarm::tests::lane_pivots_test {
@@ -46,12 +46,12 @@ void check_lanes(bool apart) {
   const Sides B_before = B;
   std::vector<Pair> row(5), inverse(5);
   lanes::LanePivots<Pair> pivots{row.data(), inverse.data()};
-  solvers::factor_in_place(A, pivots);
-  solvers::substitute(A, pivots, B);
+  linear_solvers::factor_in_place(A, pivots);
+  linear_solvers::substitute(A, pivots, B);
   for (int lane = 0; lane < 2; ++lane) {
     Eigen::Matrix<double, 5, 5, Eigen::RowMajor> own = lane_of(A_before, lane);
     Eigen::Matrix<double, 5, 1> x = lane_of(B_before, lane);
-    solvers::eliminate(own, x);
+    linear_solvers::eliminate(own, x);
     CHECK(lane_of(B, lane) == x);
     CHECK((lane_of(A_before, lane) * x - lane_of(B_before, lane)).norm() < 1e-13);
   }

@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "arms.hpp"
+#include "flexarm/integrators/increment.hpp"
 #include "flexarm/simulation/statics.hpp"
-#include "flexarm/solvers/increment.hpp"
 
 namespace flexarm::tests::consistent_forces_test {
 
@@ -37,7 +37,7 @@ VectorXd constraint_rate(const System& system, const State& state) {
 State later(const System& system, const State& state, double h) {
   State there = state;
   const VectorXd increment = h * state.v;
-  flexarm::solvers::move(system, increment.head(system.n_free()), there);
+  flexarm::integrators::move(system, increment.head(system.n_free()), there);
   there.s.tail(system.n_velocities() - system.n_free()) =
       state.s.tail(system.n_velocities() - system.n_free()) +
       increment.tail(system.n_velocities() - system.n_free());

@@ -23,7 +23,7 @@ void check_power_balance(const System& system) {
   const int n = system.n_free();
   const auto total_after = [&](double t) {
     State there = state;
-    flexarm::solvers::move(system, t * state.v.head(n), there);
+    flexarm::integrators::move(system, t * state.v.head(n), there);
     there.v += t * state.v_dot;
     const Energies E = energies(system, there, loads);
     return E.kinetic + E.elastic + E.gravity;

@@ -3,15 +3,15 @@
 #include <doctest/doctest.h>
 
 #include "arms.hpp"
+#include "flexarm/integrators/hht.hpp"
 #include "flexarm/simulation/statics.hpp"
-#include "flexarm/solvers/hht.hpp"
 
 namespace flexarm::tests::reactions_test {
 
 using namespace flexarm::simulation;
-using flexarm::solvers::DriveValues;
-using flexarm::solvers::HhtCoefficients;
-using flexarm::solvers::HhtStepper;
+using flexarm::integrators::DriveValues;
+using flexarm::integrators::HhtCoefficients;
+using flexarm::integrators::HhtStepper;
 
 namespace {
 

@@ -60,7 +60,7 @@ TEST_CASE("A step depends on the moment alone, to the last bit, whatever was ste
   CHECK(same_bits(go(stepping, half, 300).state, end.state));  // back from far away
   Stepping other(system, 2e-3, -0.05);
   Moment stored = half;  // as from a file: the same numbers at another place
-  stored.memory.factored = std::make_shared<const flexarm::solvers::Linearisation>(*half.memory.factored);
+  stored.memory.factored = std::make_shared<const flexarm::integrators::Linearisation>(*half.memory.factored);
   CHECK(same_bits(go(other, stored, 300).state, end.state));
 }
 

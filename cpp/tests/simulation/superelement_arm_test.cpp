@@ -2,10 +2,10 @@
 #include <doctest/doctest.h>
 
 #include "flexarm/errors.hpp"
+#include "flexarm/integrators/hht.hpp"
 #include "flexarm/simulation/modal.hpp"
 #include "flexarm/simulation/reactions.hpp"
 #include "flexarm/simulation/transient.hpp"
-#include "flexarm/solvers/hht.hpp"
 #include "parts.hpp"
 
 namespace flexarm::tests::superelement_arm_test {
@@ -175,10 +175,10 @@ TEST_CASE("A spun part without loads keeps its momentum and, being stiff, its sh
     return Vector3d(sum.tail<3>() - state.frames[part.node(0)].x.cross(Vector3d(sum.head<3>())));
   };
   const Vector3d before = angular_momentum();
-  flexarm::solvers::HhtStepper stepper(system, flexarm::solvers::HhtCoefficients::from_alpha(-0.05),
-                                       weightless);
+  flexarm::integrators::HhtStepper stepper(system, flexarm::integrators::HhtCoefficients::from_alpha(-0.05),
+                                           weightless);
   for (int k = 0; k < 500; ++k) {
-    stepper.advance(state, 1e-3, [](double, flexarm::solvers::DriveValues&) {});
+    stepper.advance(state, 1e-3, [](double, flexarm::integrators::DriveValues&) {});
   }
   CHECK(error(angular_momentum(), before) < 1e-4 * before.norm());
   CHECK(largest(part.deformation(system.configuration(part, state))) < 1e-3);

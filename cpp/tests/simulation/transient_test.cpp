@@ -12,9 +12,9 @@ namespace flexarm::tests::transient_test {
 
 using namespace flexarm::simulation;
 using flexarm::InvalidParameter;
-using flexarm::solvers::DriveValues;
-using flexarm::solvers::HhtCoefficients;
-using flexarm::solvers::HhtStepper;
+using flexarm::integrators::DriveValues;
+using flexarm::integrators::HhtCoefficients;
+using flexarm::integrators::HhtStepper;
 using std::numbers::pi;
 
 namespace {

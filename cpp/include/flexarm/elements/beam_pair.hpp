@@ -1,5 +1,5 @@
 /// @file
-/// Two beams side by side: the forces of beam_forces.hpp in the time of one (geometry/two.hpp).
+/// Two beams side by side: the forces of beam_forces.hpp in the time of one (simd/two.hpp).
 #pragma once
 
 #include "flexarm/elements/beam.hpp"

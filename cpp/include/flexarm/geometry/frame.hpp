@@ -17,11 +17,18 @@
 
 #include <cmath>
 
-#include "flexarm/geometry/pack_sine.hpp"
 #include "flexarm/geometry/twist.hpp"
-#include "flexarm/geometry/two.hpp"
+#include "flexarm/simd/pack_sine.hpp"
+#include "flexarm/simd/two.hpp"
 
 namespace flexarm::geometry {
+
+using simd::lane;
+using simd::Pack;
+using simd::side_by_side;
+using simd::sine_cosine;
+using simd::SineCosine;
+using simd::Two;
 
 /// A rigid placement H = (R, x); with Real = Two that of two things.
 template <int D, class Real = double>

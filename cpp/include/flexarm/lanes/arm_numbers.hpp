@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "flexarm/assembly/equations.hpp"
+#include "flexarm/integrators/welds.hpp"
 #include "flexarm/lanes/numbers.hpp"
 #include "flexarm/lanes/rows.hpp"
 #include "flexarm/lanes/turn_numbers.hpp"
-#include "flexarm/solvers/dissected_inverse.hpp"
-#include "flexarm/solvers/welds.hpp"
+#include "flexarm/linear_solvers/dissected_inverse.hpp"
 
 namespace flexarm::lanes {
 
@@ -37,17 +37,17 @@ class ArmNumbersIn {
   ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms, const std::vector<LoadsIn<D>>& loads, int lanes);
 
   const Arms& arms() const { return arms_; }
-  const solvers::WeldsIn<D>& welds(int lane) const { return *welds_[static_cast<std::size_t>(lane)]; }
+  const integrators::WeldsIn<D>& welds(int lane) const { return *welds_[static_cast<std::size_t>(lane)]; }
 
   /// Rest strains of a lane's beams whose bow grows, at t [s].
   void grow_bows(int lane, const SystemIn<D>& arm, double t);
 
   /// @param inverse null: there is none. @return false if it is not cut as those of the lanes before
-  bool set_inverse(int lane, const solvers::DissectedInverse* inverse);
+  bool set_inverse(int lane, const linear_solvers::DissectedInverse* inverse);
 
   const std::vector<int>& unknowns() const { return unknowns_; }  ///< that steps solve for
 
-  using Changes = solvers::TangentChangesIn<D>;
+  using Changes = integrators::TangentChangesIn<D>;
   /// What turned joints change in the inverse that was set last.
   void set_turns(int lane, const Changes& changes);
 
@@ -65,11 +65,11 @@ class ArmNumbersIn {
   void fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& loads);
   void fill_sections(int lane, const SystemIn<D>& arm);
   void set_order(std::vector<int> order);
-  bool cut_as(const solvers::DissectedInverse& inverse) const;
-  void cut(const solvers::DissectedInverse& inverse);
+  bool cut_as(const linear_solvers::DissectedInverse& inverse) const;
+  void cut(const linear_solvers::DissectedInverse& inverse);
 
   int lanes_;
-  std::vector<std::unique_ptr<solvers::WeldsIn<D>>> welds_;
+  std::vector<std::unique_ptr<integrators::WeldsIn<D>>> welds_;
   std::vector<int> beam_nodes_, body_nodes_, carriers_, section_nodes_;
   std::vector<JointPlace> joints_;
   std::vector<GearPlace> gears_;

@@ -1,5 +1,5 @@
 /// @file
-/// Steps of arms side by side, in a plane or in space: solvers/hht.hpp with the equations of
+/// Steps of arms side by side, in a plane or in space: integrators/hht.hpp with the equations of
 /// assembly/equations.hpp, without a decision that depends on a lane. Included once for each kind of
 /// processor.
 #pragma once
@@ -10,11 +10,11 @@
 #include "flexarm/elements/beam_section.hpp"
 #include "flexarm/elements/rigid_body.hpp"
 #include "flexarm/elements/weight.hpp"
-#include "flexarm/geometry/pack.hpp"
 #include "flexarm/joints/joint_constraint.hpp"
 #include "flexarm/lanes/gear_code.hpp"
 #include "flexarm/lanes/numbers.hpp"
 #include "flexarm/lanes/turn_code.hpp"
+#include "flexarm/simd/pack.hpp"
 
 namespace flexarm::lanes {
 
@@ -205,7 +205,7 @@ class KernelCode : TurnCode<D, N, Processor> {
     }
   }
 
-  /// Equations (2), (3) of solvers/dissected_inverse.hpp.
+  /// Equations (2), (3) of linear_solvers/dissected_inverse.hpp.
   [[gnu::flatten]] static void solve(const Arms& arms, Motion& motion) {
     double *b = motion.work, *products = b + N * arms.n_reduced;
     for (int k = 0; k < arms.n_reduced; ++k) put(b, k, at(motion.dx, arms.order[k]));

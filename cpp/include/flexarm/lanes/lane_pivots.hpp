@@ -1,8 +1,9 @@
 /// @file
-/// Pivots of solvers/elimination.hpp for matrices of numbers side by side, of which each lane has its own.
+/// Pivots of linear_solvers/elimination.hpp for matrices of numbers side by side, of which each lane has its
+/// own.
 #pragma once
 
-#include "flexarm/solvers/elimination.hpp"
+#include "flexarm/linear_solvers/elimination.hpp"
 
 namespace flexarm::lanes {
 

@@ -15,7 +15,7 @@ inline constexpr int frame_rows = D * D + D;
 
 struct JointPlace {
   int node_a, node_b, coordinate, first_row;
-  bool folded;  ///< takes no part in steps (solvers/welds.hpp)
+  bool folded;  ///< takes no part in steps (integrators/welds.hpp)
 };
 
 /// A gear between scalar coordinates, with its constraint's row; `waves` if some arm has a transmission
@@ -32,12 +32,12 @@ struct LawPlace {
   bool linear;
 };
 
-/// A node that follows another one (solvers/welds.hpp); −1: the base.
+/// A node that follows another one (integrators/welds.hpp); −1: the base.
 struct FollowerPlace {
   int node, carrier;
 };
 
-/// A part of the kept inverse (solvers/dissected_inverse.hpp).
+/// A part of the kept inverse (linear_solvers/dissected_inverse.hpp).
 struct InversePart {
   int first, size, n_boundary;
   const int* boundary;
@@ -65,7 +65,8 @@ struct TurningJoint {
   bool slides;
 };
 
-/// What turned joints change in a kept matrix (solvers/tangent_changes.hpp), with blocks of `across` rows.
+/// What turned joints change in a kept matrix (integrators/tangent_changes.hpp), with blocks of `across`
+/// rows.
 struct Turns {
   int n_joints, n_columns, n_rows;  ///< of U, and of W
   const TurningJoint* joints;
@@ -142,7 +143,7 @@ struct Drive {
   const double *s, *v, *v_dot, *torques;
 };
 
-/// Coefficients of solvers/hht.hpp, and the step.
+/// Coefficients of integrators/hht.hpp, and the step.
 struct Step {
   double h, alpha, beta, gamma;
 };

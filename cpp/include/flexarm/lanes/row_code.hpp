@@ -3,8 +3,8 @@
 /// of processor.
 #pragma once
 
-#include "flexarm/geometry/pack.hpp"
 #include "flexarm/lanes/numbers.hpp"
+#include "flexarm/simd/pack.hpp"
 
 namespace flexarm::lanes {
 

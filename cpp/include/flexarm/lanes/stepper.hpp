@@ -1,20 +1,20 @@
 /// @file
 /// Arms of one structure that step together, one a lane of vector registers.
 ///
-/// Each lane makes the steps of solvers/hht.hpp: it stops iterating by its own increments and waits for the
-/// others, and no number of it depends on theirs, so that an arm moves the same way in any company. Laws that
-/// are not linear are followed lane by lane (solvers/tangent_changes.hpp), with them inner hinges. Where an
-/// iteration fails, the arm leaves its lane: it is to run alone.
+/// Each lane makes the steps of integrators/hht.hpp: it stops iterating by its own increments and waits for
+/// the others, and no number of it depends on theirs, so that an arm moves the same way in any company. Laws
+/// that are not linear are followed lane by lane (integrators/tangent_changes.hpp), with them inner hinges.
+/// Where an iteration fails, the arm leaves its lane: it is to run alone.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "flexarm/assembly/iteration_matrix.hpp"
+#include "flexarm/integrators/hht.hpp"
+#include "flexarm/integrators/tangent_changes.hpp"
 #include "flexarm/lanes/arm_numbers.hpp"
-#include "flexarm/solvers/hht.hpp"
-#include "flexarm/solvers/kept_factor.hpp"
-#include "flexarm/solvers/tangent_changes.hpp"
+#include "flexarm/linear_solvers/kept_factor.hpp"
 
 namespace flexarm::lanes {
 
@@ -25,15 +25,15 @@ class StepperIn {
   /// and the states where they start, at rest
   StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D>*>& arms,
             const std::vector<LoadsIn<D>>& loads, const std::vector<StateIn<D>>& states,
-            const solvers::HhtCoefficients& coefficients, const solvers::HhtOptions& options);
+            const integrators::HhtCoefficients& coefficients, const integrators::HhtOptions& options);
 
   /// One step of size h along drives that all arms share.
-  void advance(double h, const solvers::Drives& drives);
+  void advance(double h, const integrators::Drives& drives);
 
   bool runs(int lane) const { return lane_[static_cast<std::size_t>(lane)].runs; }
   bool any_runs() const;
   void set_time(double t) { t_ = t; }  ///< with no drift from adding up
-  const solvers::HhtStatistics& statistics(int lane) const {
+  const integrators::HhtStatistics& statistics(int lane) const {
     return lane_[static_cast<std::size_t>(lane)].statistics;
   }
   StateIn<D> state(int lane) const;
@@ -41,8 +41,8 @@ class StepperIn {
   StateIn<D> final_state(int lane) const;
 
   /// Change of accelerations and multipliers by Φ'' that record() is to add, see ArmNumbersIn.
-  void set_consistent(int lane, const Eigen::MatrixXd& change, const solvers::TangentChangesIn<D>& changes,
-                      const Eigen::MatrixXd& W) {
+  void set_consistent(int lane, const Eigen::MatrixXd& change,
+                      const integrators::TangentChangesIn<D>& changes, const Eigen::MatrixXd& W) {
     numbers_.set_consistent(lane, change, changes, W);
   }
   int recorded_rows() const { return 2 * D * numbers_.arms().n_points + 6 * numbers_.arms().n_outputs; }
@@ -55,13 +55,13 @@ class StepperIn {
     LoadsIn<D> loads;
     StateIn<D> now;  // as it started, but for what laws need
     assembly::IterationMatrixIn<D> matrix;
-    solvers::TangentChangesIn<D> changes;
+    integrators::TangentChangesIn<D> changes;
     /// Where the lane's matrix is not cut as those of others, as when entries have joined its pattern.
-    std::unique_ptr<solvers::KeptFactor> own_factor = {};
+    std::unique_ptr<linear_solvers::KeptFactor> own_factor = {};
     Eigen::VectorXd increments = {};  // of its own factors
     bool runs = true;
     double contraction = 0.5;
-    solvers::HhtStatistics statistics = {};
+    integrators::HhtStatistics statistics = {};
   };
 
   void put(int lane, const StateIn<D>& state);
@@ -76,13 +76,13 @@ class StepperIn {
   void iterate(const Step& step, const Drive& drive);
 
   const Kernel& kernel_;
-  solvers::HhtCoefficients coefficients_;
-  solvers::HhtOptions options_;
+  integrators::HhtCoefficients coefficients_;
+  integrators::HhtOptions options_;
   ArmNumbersIn<D> numbers_;
   std::vector<Lane> lane_;
   double t_, factored_h_ = 0;
   long steps_ = 0;
-  solvers::DriveValues drive_;
+  integrators::DriveValues drive_;
   Rows frames_, frames_before_, s_, s_before_, v_, v_dot_, a_, multipliers_, exponent_, r_, dx_, work_,
       acceleration_, law_forces_, forces_, active_, fresh_, sizes_;
   Eigen::VectorXd along_;      // scratch

@@ -1,11 +1,11 @@
 /// @file
-/// Turned joints of arms side by side: (2) and (5) of solvers/tangent_changes.hpp, without laws. Included
+/// Turned joints of arms side by side: (2) and (5) of integrators/tangent_changes.hpp, without laws. Included
 /// once for each kind of processor.
 #pragma once
 
+#include "flexarm/integrators/turned.hpp"
 #include "flexarm/lanes/lane_pivots.hpp"
 #include "flexarm/lanes/row_code.hpp"
-#include "flexarm/solvers/turned.hpp"
 
 namespace flexarm::lanes {
 
@@ -23,8 +23,8 @@ class TurnCode : protected RowCode<N, Processor> {
     const int m = turns.n_columns;
     for (int i = 0; i < turns.n_joints; ++i) {
       const double* own = turns.numbers + N * numbers * i;
-      const Turned T = solvers::turned<D, Real>(matrix<Twist>(own, across * across), turns.joints[i].slides,
-                                                at(s, turns.joints[i].coordinate));
+      const Turned T = integrators::turned<D, Real>(
+          matrix<Twist>(own, across * across), turns.joints[i].slides, at(s, turns.joints[i].coordinate));
       const Turned E = at(turns.scale, 0) * (matrix<Turned>(own, 0) - T);  // eq. (2)
       keep(turns.E, across * across * i, E.data(), across * across, chosen, all);
       for (int j = 0; j < m; ++j) {
@@ -39,7 +39,7 @@ class TurnCode : protected RowCode<N, Processor> {
     }
     for (int k = 0; k < m; ++k) put(here, (m + 1) * k, 1 + at(here, (m + 1) * k));
     auto [A, pivots] = factors(here, m);
-    solvers::factor_in_place(A, pivots);
+    linear_solvers::factor_in_place(A, pivots);
     if (!all) keep(turns.factors, 0, reinterpret_cast<const Real*>(here), m * m + 2 * m, chosen, false);
   }
 
@@ -64,14 +64,14 @@ class TurnCode : protected RowCode<N, Processor> {
     }
     Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, 1>> x(reinterpret_cast<Real*>(f), turns.n_columns);
     const auto [LU, pivots] = factors(turns.factors, turns.n_columns);
-    solvers::substitute(LU, pivots, x);
+    linear_solvers::substitute(LU, pivots, x);
   }
 
  private:
-  static constexpr int n = geometry::freedoms<D>, across = solvers::across_joint<D>, both = 2 * across;
-  static constexpr int rows = solvers::rows_across<D>;
+  static constexpr int n = geometry::freedoms<D>, across = integrators::across_joint<D>, both = 2 * across;
+  static constexpr int rows = integrators::rows_across<D>;
   static constexpr int numbers = across * across + n + (n + rows) * across;  // of a joint
-  using Turned = solvers::Turned<D, Real>;
+  using Turned = integrators::Turned<D, Real>;
   using Twist = geometry::Twist<D, Real>;
   using Part = Eigen::Matrix<Real, across, 1>;
   using Across = Eigen::Matrix<Real, n, across>;

@@ -1,19 +1,20 @@
 /// @file
-/// What turned joints change in kept matrices (solvers/tangent_changes.hpp), laid out for arms side by side.
+/// What turned joints change in kept matrices (integrators/tangent_changes.hpp), laid out for arms side by
+/// side.
 #pragma once
 
 #include <vector>
 
+#include "flexarm/integrators/tangent_changes.hpp"
 #include "flexarm/lanes/numbers.hpp"
 #include "flexarm/lanes/rows.hpp"
-#include "flexarm/solvers/tangent_changes.hpp"
 
 namespace flexarm::lanes {
 
 template <int D>
 class TurnNumbersIn {
  public:
-  using Changes = solvers::TangentChangesIn<D>;
+  using Changes = integrators::TangentChangesIn<D>;
 
   TurnNumbersIn() = default;
   /// @param unknowns places of those that the matrix has. @param n_rows of W

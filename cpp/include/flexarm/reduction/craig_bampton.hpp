@@ -24,7 +24,7 @@ struct ReductionOptions {
 
 /// How the numbers came about.
 struct ReductionStatistics {
-  solvers::CholeskyReport factor;
+  linear_solvers::CholeskyReport factor;
   int n_freedoms = 0, n_inner = 0, unused_points = 0;
   int lanczos_steps = 0, lanczos_block = 0;
   double seconds_check = 0, seconds_factor = 0, seconds_interfaces = 0, seconds_modes = 0,
@@ -46,7 +46,7 @@ using ReductionProgress = std::function<void(const char* phase, double done)>;
 
 /// @param K, M  of the free part: three freedoms a point
 /// @throws InvalidParameter, NotConverged
-ReducedPart reduce_part(const solvers::LowerTriangle& K, const solvers::LowerTriangle& M,
+ReducedPart reduce_part(const linear_solvers::LowerTriangle& K, const linear_solvers::LowerTriangle& M,
                         const Coordinates& coordinates, const std::vector<Interface>& interfaces,
                         const ReductionOptions& options, const ReductionProgress& progress = nullptr);
 

@@ -14,15 +14,15 @@
 #include <Eigen/LU>
 #include <memory>
 
+#include "flexarm/linear_solvers/cholesky_factor.hpp"
 #include "flexarm/reduction/support.hpp"
-#include "flexarm/solvers/cholesky_factor.hpp"
 
 namespace flexarm::reduction {
 
 class FixedInterface {
  public:
   /// @throws InvalidParameter naming the freedom if K_ii is singular, or the interfaces if (3) is.
-  FixedInterface(const solvers::LowerTriangle& K, const Coordinates& coordinates,
+  FixedInterface(const linear_solvers::LowerTriangle& K, const Coordinates& coordinates,
                  const std::vector<Interface>& interfaces, const InterfaceMaps& maps, const Support& support);
 
   /// u of (1) for every column of forces F, with frames held still (g = 0).
@@ -32,14 +32,14 @@ class FixedInterface {
 
   /// Freedoms that are not held.
   Eigen::Index n_inner() const { return static_cast<Eigen::Index>(inner_.size()); }
-  const solvers::CholeskyReport& report() const { return factor_->report(); }
+  const linear_solvers::CholeskyReport& report() const { return factor_->report(); }
 
  private:
   Eigen::MatrixXd solve_unconstrained(const Eigen::MatrixXd& F) const;  // G F
   void border(const std::vector<Interface>& interfaces);
 
   std::vector<int> inner_;  // freedoms of K_ii
-  std::unique_ptr<const solvers::CholeskyFactor> factor_;
+  std::unique_ptr<const linear_solvers::CholeskyFactor> factor_;
   const Eigen::SparseMatrix<double>& Wt_;
   Eigen::MatrixXd R_, Y_;  // R without columns if a rigid interface holds the part
   Eigen::VectorXd scale_;  // brings the entries of (3) to one size

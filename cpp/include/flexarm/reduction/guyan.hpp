@@ -16,7 +16,7 @@
 namespace flexarm::reduction {
 
 /// Ψ (freedoms of the part, six an interface).
-Eigen::MatrixXd constraint_modes(const solvers::LowerTriangle& K, const FixedInterface& part,
+Eigen::MatrixXd constraint_modes(const linear_solvers::LowerTriangle& K, const FixedInterface& part,
                                  const Coordinates& coordinates, const std::vector<Interface>& interfaces,
                                  const InterfaceMaps& maps, const Support& support);
 
@@ -26,7 +26,7 @@ struct InterfaceStiffness {
   Eigen::MatrixXd matrix;
   double correction;  ///< largest change by P, in parts of the largest entry
 };
-InterfaceStiffness interface_stiffness(const solvers::LowerTriangle& K, const Eigen::MatrixXd& Psi,
+InterfaceStiffness interface_stiffness(const linear_solvers::LowerTriangle& K, const Eigen::MatrixXd& Psi,
                                        const std::vector<Interface>& interfaces, const Support& support);
 
 }  // namespace flexarm::reduction

@@ -21,8 +21,8 @@
 /// hand instead of the residual flexibility alone.
 #pragma once
 
+#include "flexarm/eigen/block_lanczos.hpp"
 #include "flexarm/reduction/fixed_interface.hpp"
-#include "flexarm/solvers/block_lanczos.hpp"
 
 namespace flexarm::reduction {
 
@@ -41,11 +41,11 @@ struct Quality {
 };
 
 /// Mass, centre and inertia; effective masses (1) and (2).
-void weigh(const solvers::LowerTriangle& M, const Coordinates& coordinates, const InterfaceMaps& maps,
+void weigh(const linear_solvers::LowerTriangle& M, const Coordinates& coordinates, const InterfaceMaps& maps,
            const Support& support, const Eigen::MatrixXd& shapes, Quality& quality);
 
 /// Free frequencies of the reduced part, their errors (3) and what may be trusted (4).
-void estimate_errors(const solvers::LowerTriangle& K, const solvers::LowerTriangle& M,
+void estimate_errors(const linear_solvers::LowerTriangle& K, const linear_solvers::LowerTriangle& M,
                      const FixedInterface& part, const Eigen::MatrixXd& T, const Eigen::MatrixXd& stiffness,
                      const Eigen::MatrixXd& mass, double left_out_lambda, Quality& quality);
 

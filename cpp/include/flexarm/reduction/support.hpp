@@ -7,8 +7,8 @@
 /// make the factorisation fail is named here, by point and direction.
 #pragma once
 
+#include "flexarm/linear_solvers/lower_triangle.hpp"
 #include "flexarm/reduction/interface.hpp"
-#include "flexarm/solvers/lower_triangle.hpp"
 
 namespace flexarm::reduction {
 
@@ -23,7 +23,7 @@ struct Support {
 
 /// @throws InvalidParameter if a freedom has no stiffness, is grounded, or a piece of the part is held by
 /// nothing; if sizes do not agree or a number is not finite.
-Support support(const solvers::LowerTriangle& K, const solvers::LowerTriangle& M,
+Support support(const linear_solvers::LowerTriangle& K, const linear_solvers::LowerTriangle& M,
                 const Coordinates& coordinates, const std::vector<Interface>& interfaces);
 
 /// R of (1) about the centre, rotations divided by the part's length; zero at unused points.

@@ -23,7 +23,7 @@ namespace flexarm::simulation {
 /// The equilibrium with w and λ̃ of (1) under the torques of `drives` at `time`; itself where no motor is
 /// driven by torque and nothing moves. Prescribed coordinates of an arm that moves have the drives' rates.
 Equilibrium consistent_start(const System& system, const Equilibrium& equilibrium,
-                             const solvers::Drives& drives, double time);
+                             const integrators::Drives& drives, double time);
 
 /// The derivative of that start from the one of its equilibrium, eq. (2).
 /// @param torques derivatives of the torques, one row a scalar coordinate; empty: zero

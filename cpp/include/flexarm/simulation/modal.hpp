@@ -1,10 +1,10 @@
 /// @file
-/// Modes of an arm about a loaded equilibrium, drives held: solvers/eigenmodes.hpp with the true tangent,
+/// Modes of an arm about a loaded equilibrium, drives held: eigen/eigenmodes.hpp with the true tangent,
 /// geometric stiffness and gravity included. Friction has no part.
 #pragma once
 
+#include "flexarm/eigen/eigenmodes.hpp"
 #include "flexarm/simulation/statics.hpp"
-#include "flexarm/solvers/eigenmodes.hpp"
 
 namespace flexarm::simulation {
 

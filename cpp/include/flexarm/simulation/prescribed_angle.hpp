@@ -1,7 +1,7 @@
 /// @file
 /// Motion of a prescribed angle that is known at the ends of steps only.
 ///
-/// The new angle s₁ is reached by the Newmark formulas of solvers/hht.hpp, solved for the acceleration,
+/// The new angle s₁ is reached by the Newmark formulas of integrators/hht.hpp, solved for the acceleration,
 ///
 ///     a₁ = [(s₁ − s₀ − h s₀')/h² − (½ − β) a₀]/β,   s₁' = s₀' + h [(1 − γ) a₀ + γ a₁]                 (1)
 ///     s₁'' = (a₁ + α s₀'')/(1 + α)                                                                    (2)
@@ -11,7 +11,7 @@
 /// the angle runs along the quintic that has both ends' values and two derivatives.
 #pragma once
 
-#include "flexarm/solvers/hht.hpp"
+#include "flexarm/integrators/hht.hpp"
 
 namespace flexarm::simulation {
 

@@ -45,7 +45,7 @@ class SampledRun {
   Eigen::VectorXd joint_rates() const;
   Eigen::Vector3d point_position(int point) const;  ///< base axes [m]
   Eigen::Vector3d point_velocity(int point) const;  ///< base axes [m/s]
-  const solvers::HhtStatistics& statistics() const { return stepper_.statistics(); }
+  const integrators::HhtStatistics& statistics() const { return stepper_.statistics(); }
 
   /// What was recorded so far.
   Transient result() const;
@@ -53,7 +53,7 @@ class SampledRun {
  private:
   Eigen::VectorXd of_joints(const Eigen::Ref<const Eigen::VectorXd>& scalars, bool theta) const;
   void hold(const Eigen::VectorXd& motor_torque);
-  void torques_at(double t, solvers::DriveValues& values);
+  void torques_at(double t, integrators::DriveValues& values);
 
   const System& system_;
   TransientOptions options_;
@@ -61,8 +61,8 @@ class SampledRun {
   Equilibrium start_;
   bool held_ = true;
   Eigen::Index n_steps_, k_ = 0;
-  solvers::HhtStepper stepper_;
-  solvers::Drives drive_;
+  integrators::HhtStepper stepper_;
+  integrators::Drives drive_;
   Eigen::VectorXd torques_;  // one a scalar coordinate
   Transient run_;
   Recorder recorder_;

@@ -23,8 +23,8 @@ Snapshots snapshots(const System& system, const std::vector<State>& states, cons
 /// Acceleration of a point in base axes, equation (1).
 geometry::Vector3d point_acceleration(const System& system, const State& state, int point);
 
-/// The state moved by increments of the free coordinates (solvers/increment.hpp), with these velocities and
-/// accelerations of theirs.
+/// The state moved by increments of the free coordinates (integrators/increment.hpp), with these velocities
+/// and accelerations of theirs.
 State displaced(const System& system, const State& state, const Eigen::VectorXd& increment,
                 const Eigen::VectorXd& v, const Eigen::VectorXd& v_dot);
 

@@ -6,15 +6,15 @@
 /// step to step (HhtMemory): where its matrix was factored, and how fast it contracted.
 #pragma once
 
+#include "flexarm/integrators/hht.hpp"
 #include "flexarm/simulation/statics.hpp"
-#include "flexarm/solvers/hht.hpp"
 
 namespace flexarm::simulation {
 
 /// An instant to go on from: a value, copied and stored freely.
 struct Moment {
   State state;
-  solvers::HhtMemory memory;
+  integrators::HhtMemory memory;
   long steps = 0;  ///< since t = 0
 };
 
@@ -41,12 +41,12 @@ class Stepping {
                  const std::vector<assembly::PointLoad>& points);
 
   const System& system() const { return system_; }
-  const solvers::HhtStatistics& statistics() const { return stepper_.statistics(); }
+  const integrators::HhtStatistics& statistics() const { return stepper_.statistics(); }
 
  private:
   const System& system_;
   double step_;
-  solvers::HhtStepper stepper_;
+  integrators::HhtStepper stepper_;
 };
 
 }  // namespace flexarm::simulation

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "flexarm/assembly/planar_system.hpp"
+#include "flexarm/integrators/hht.hpp"
 #include "flexarm/simulation/piecewise_polynomial.hpp"
 #include "flexarm/simulation/statics.hpp"
-#include "flexarm/solvers/hht.hpp"
 
 namespace flexarm::simulation {
 
@@ -53,7 +53,7 @@ struct Transient {
   Eigen::VectorXd damped, work;               ///< (n) since the start [J]
   Matrix section_forces;                      ///< (12 l, n): start then end
   Matrix base_wrench;                         ///< (6, n)
-  solvers::HhtStatistics statistics;
+  integrators::HhtStatistics statistics;
   State final_state;
   int dimension = 3;       ///< 2 if it was computed in a plane
   double seconds = 0;      ///< of the stepping, wall clock
@@ -71,7 +71,7 @@ constexpr double seconds_between_calls = 0.02;
 /// Somebody who walks along with a run: told of every step that is taken, and of every instant recorded.
 template <int D>
 struct CompanionIn {
-  solvers::FollowerIn<D> step;
+  integrators::FollowerIn<D> step;
   std::function<void(Eigen::Index k, const assembly::StateIn<D>& state, const assembly::LoadsIn<D>& loads)>
       record;
 };
@@ -98,7 +98,7 @@ Eigen::Index number_of_steps(std::size_t n_joints, const std::vector<PiecewisePo
 
 /// Joint drives as drive values for the stepper; locked joints stay where the state has them.
 template <int D>
-solvers::Drives drives_of_joints(const assembly::SystemIn<D>& system, const assembly::StateIn<D>& state,
-                                 std::vector<PiecewisePolynomial> drives);
+integrators::Drives drives_of_joints(const assembly::SystemIn<D>& system, const assembly::StateIn<D>& state,
+                                     std::vector<PiecewisePolynomial> drives);
 
 }  // namespace flexarm::simulation

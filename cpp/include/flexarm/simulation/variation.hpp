@@ -12,7 +12,7 @@
 #pragma once
 
 #include "flexarm/assembly/system.hpp"
-#include "flexarm/solvers/hht.hpp"
+#include "flexarm/integrators/hht.hpp"
 
 namespace flexarm::simulation {
 
@@ -27,7 +27,7 @@ struct VariationIn {
   const assembly::SystemIn<D>* plus;
   const assembly::SystemIn<D>* minus;
   double up, down;  ///< p⁺ − p >= 0 and p⁻ − p <= 0; one of them 0 where p is at its limit
-  solvers::Drives drive_plus, drive_minus;  ///< empty where the drives do not depend on p
+  integrators::Drives drive_plus, drive_minus;  ///< empty where the drives do not depend on p
 
   double spread() const { return up - down; }
   /// @throws InvalidParameter unless both systems have the structure of `system`.
