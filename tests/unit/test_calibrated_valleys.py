@@ -46,7 +46,7 @@ class Banana(Estimation):
         return np.array([u[1] - self.curvature * u[0] ** 2]) / SIGMA
 
 
-def posterior(curvature: float) -> Posterior:
+def posterior(curvature: float, last_move: float = 0.0) -> Posterior:
     """The normal posterior about the most probable values, zeros."""
     free = tuple(
         FreeParameter(f"u{k}", "m", "nominal", "linear", 0.0, sigma) for k, sigma in enumerate((1, 50))
@@ -55,7 +55,7 @@ def posterior(curvature: float) -> Posterior:
     point = estimation.linearised(np.zeros(2))
     H = point.jacobian.T @ point.jacobian + estimation.precision()
     inverse = np.linalg.inv(H)
-    return Posterior(estimation, point, White(), inverse, inverse, np.zeros(2), 1)  # type: ignore[arg-type]
+    return Posterior(estimation, point, White(), inverse, inverse, np.full(2, last_move), 1)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("k", [0, 1])
@@ -74,3 +74,11 @@ def test_a_straight_posterior_stays_normal():
     assert valley_of(posterior(0.0)) is None
     [first, _] = marginals(posterior(0.0))
     assert first.quantile(0.95) == approx(1.645, abs=2e-3)
+
+
+def test_no_valley_is_followed_from_estimates_that_are_not_at_rest():
+    """Their intervals are normal about them: a profile from there has its minimum elsewhere."""
+    moving = posterior(1.0, last_move=3.0)
+    assert valley_of(moving) is None
+    for found in marginals(moving):
+        assert found.quantile(0.05) < 0.0 < found.quantile(0.95)

@@ -202,6 +202,11 @@ class Posterior:
         """Return the greatest move of the last step [sigma]."""
         return float(np.abs(self.last_move).max(initial=0.0))
 
+    @property
+    def at_rest(self) -> bool:
+        """Return True if the last step moved nothing beyond the tolerance."""
+        return self.largest_move < self.estimation.policy.tolerance
+
 
 def multi_start(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
     """Return u with the shared size of each family in turn at the best of a grid.

@@ -76,7 +76,12 @@ def worst_direction(posterior: Posterior) -> Floats:
 
 
 def valley_of(posterior: Posterior) -> Valley | None:
-    """Return the profile in the worst direction; None where the posterior is normal along it."""
+    """Return the profile in the worst direction; None where the posterior is normal along it.
+
+    None as well about estimates that are not at rest: (1) has no minimum there.
+    """
+    if not posterior.at_rest:
+        return None
     try:
         d = worst_direction(posterior)
         ends = [_objective(posterior, posterior.point.u + t * d) for t in (-NORMAL_90, NORMAL_90)]

@@ -289,7 +289,7 @@ def _chi_square(posterior: Posterior) -> ChiSquare:
 
 def _remarks(posterior: Posterior, parted: Split) -> list[str]:
     found, policy = [*parted.remarks], posterior.estimation.policy
-    if posterior.largest_move >= policy.tolerance:
+    if not posterior.at_rest:
         k = int(np.argmax(np.abs(posterior.last_move)))
         found.append(
             f"the estimates are not at rest after {posterior.iterations} steps: the last one moves "

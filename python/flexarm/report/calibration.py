@@ -92,9 +92,10 @@ def members(found: Calibration, family: CalibratedFamily) -> Figure:
         ax.axvspan(factor * family.shared.low90, factor * family.shared.high90, color=AFTER, alpha=0.2, lw=0)
         ax.axvline(factor * family.shared.value, color=AFTER, lw=0.8)
     for k, each in enumerate(estimates):
-        ends = [[factor * (each.value - each.low90)], [factor * (each.high90 - each.value)]]
         colour = AFTER if each.determined else UNKNOWN
-        ax.errorbar([factor * each.value], [k], xerr=ends, fmt="o", ms=4, capsize=3, color=colour)
+        # The most probable value of a skewed posterior may lie outside the interval.
+        ax.plot([factor * each.low90, factor * each.high90], [k, k], "|-", ms=6, color=colour)
+        ax.plot([factor * each.value], [k], "o", ms=4, color=colour)
     ax.set(yticks=range(len(keys)), yticklabels=list(family.at), ylim=(len(keys) - 0.5, -0.5))
     ax.set_xlabel(f"{family.parameter} [{unit or '-'}]")
     ax.set_title(effect_words(family.effect))
