@@ -153,6 +153,22 @@ def test_a_second_export_replaces_the_first(files):
         assert (files / "once").read_text() == (files / "twice").read_text()
 
 
+def test_friction_of_which_the_model_has_none_stays_as_the_file_has_it(files):
+    """The model has no effect at the hinge; a rotor is written all the same."""
+    (files / "arm.toml").write_text(MODEL)
+    arm = Arm.from_toml(files / "arm.toml")
+    notes = flexarm.export_urdf(arm, files / "arm.urdf", files / "found.urdf")
+    hinge = ElementTree.parse(files / "found.urdf").getroot().find("joint")
+    assert hinge.find("dynamics").attrib == {"damping": "99"}
+    assert hinge.find("flexarm").get("gear_ratio") == "100"
+    assert notes == ["joint hinge: damping 99 of the file stays, as the model has no viscous friction"]
+    own = MJCF.replace('axis="0 0 1" range', 'axis="0 0 1" frictionloss="4" range')
+    (files / "arm.xml").write_text(own)
+    flexarm.export_mjcf(arm, files / "arm.xml", files / "found.xml")
+    joints = {each.get("name"): each for each in ElementTree.parse(files / "found.xml").iter("joint")}
+    assert (joints["hinge"].get("frictionloss"), joints["hinge"].get("damping")) == ("4", None)
+
+
 def test_mujoco_sees_the_reducer_between_motor_and_link(files):
     """With the motor's angle phi free, M and K are those of two inertias and a spring, closed form (1)."""
     mujoco = pytest.importorskip("mujoco")

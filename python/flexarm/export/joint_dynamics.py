@@ -17,6 +17,8 @@ from math import inf
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
     from flexarm.arm import Arm
 
 _WRITTEN = {
@@ -44,6 +46,8 @@ class JointDynamics:
     rotor_inertia: float = 0.0
     gear_ratio: float = 1.0
     """J [kg m2], motor side, and n."""
+    states: frozenset[str] = frozenset()
+    """Which friction the model has, "viscous" and "dry"; a file's own stays where it has none."""
     left_out: tuple[str, ...] = ()
     """Names of the joint's other effects, for which the formats have no word."""
 
@@ -84,6 +88,7 @@ def joint_dynamics(arm: Arm) -> Iterator[JointDynamics]:
             joint.name,
             rotor_inertia=joint.rotor_inertia,
             gear_ratio=joint.gear_ratio,
+            states=frozenset(kind for kind in ("viscous", "dry") if any(kind in field for field in values)),
             left_out=tuple(left_out),
             **values,
         )
@@ -94,4 +99,16 @@ def left_out(dynamics: JointDynamics) -> list[str]:
     return [
         f"joint {dynamics.joint}: {name} is not written, the format has no word for it"
         for name in dynamics.left_out
+    ]
+
+
+def own_friction(dynamics: JointDynamics, element: Element | None, viscous: str, dry: str) -> list[str]:
+    """Return a note on friction in the attributes of a file that stays, as the model has none."""
+    attributes = {} if element is None else element.attrib
+    kept = {"viscous": viscous, "dry": dry}
+    return [
+        f"joint {dynamics.joint}: {key} {attributes[key]} of the file stays, as the model has no "
+        f"{kind} friction"
+        for kind, key in kept.items()
+        if kind not in dynamics.states and attributes.get(key, "").strip("0.")
     ]

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexarm.arguments import ARM, PATH, takes
-from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out
+from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out, own_friction
 from flexarm.export.robot_file import add, number, read_robot, refuse_no_joint, remove, write_robot
 
 if TYPE_CHECKING:
@@ -67,13 +67,15 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path) -> list[str]:
         notes += left_out(dynamics)
         _remove_earlier(root, dynamics.joint)
         body, joint = joints[dynamics.joint]
+        notes += own_friction(dynamics, joint, "damping", "frictionloss")
         if dynamics.elastic and dynamics.armature > 0:
             _write_elastic(root, body, joint, dynamics)
             continue
         if dynamics.elastic:
             what = "its joint_compliance is not written; give the joint a rotor_inertia"
             notes.append(f"joint {dynamics.joint}: {what}")
-        _set(joint, armature=dynamics.armature, damping=dynamics.viscous, frictionloss=dynamics.dry)
+        _set(joint, armature=dynamics.armature)
+        _set_friction(joint, dynamics, dynamics.viscous, dynamics.dry)
     refuse_no_joint(path, [dynamics.joint for dynamics in wanted], list(joints), written)
     write_robot(file, Path(out), [path])
     return notes
@@ -82,13 +84,8 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path) -> list[str]:
 def _write_elastic(root: Element, body: Element, joint: Element, dynamics: JointDynamics) -> None:
     from xml.etree.ElementTree import Element
 
-    _set(
-        joint,
-        armature=dynamics.armature,
-        damping=dynamics.motor_viscous,
-        frictionloss=dynamics.motor_dry,
-        stiffness=0.0,
-    )
+    _set(joint, armature=dynamics.armature, stiffness=0.0)
+    _set_friction(joint, dynamics, dynamics.motor_viscous, dynamics.motor_dry)
     placed = {key: joint.attrib[key] for key in _PLACED if key in joint.attrib}
     spring = Element("joint", {"name": f"{dynamics.joint}_deflection", **placed, "limited": "false"})
     _set(
@@ -121,6 +118,13 @@ def _remove_earlier(root: Element, joint: str) -> None:
         for child in list(parent):
             if child.get("name") in (f"{joint}_deflection", f"{joint}_bearing"):
                 remove(parent, child)
+
+
+def _set_friction(joint: Element, dynamics: JointDynamics, viscous: float, dry: float) -> None:
+    """Write the friction that the model has; what it has none of stays as the file has it."""
+    stated = {"viscous": {"damping": viscous}, "dry": {"frictionloss": dry}}
+    for kind in dynamics.states:
+        _set(joint, **stated[kind])
 
 
 def _set(element: Element, **values: float) -> None:

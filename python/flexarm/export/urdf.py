@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexarm.arguments import ARM, PATH, takes
-from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out
+from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out, own_friction
 from flexarm.export.robot_file import add, number, read_robot, refuse_no_joint, remove, write_robot
 
 if TYPE_CHECKING:
@@ -57,8 +57,10 @@ def export_urdf(arm: Arm, urdf: str | Path, out: str | Path) -> list[str]:
             continue
         written += 1
         notes += left_out(dynamics)
-        friction = {"damping": dynamics.viscous, "friction": dynamics.dry}
+        stated = {"viscous": ("damping", dynamics.viscous), "dry": ("friction", dynamics.dry)}
+        friction = dict(stated[kind] for kind in sorted(dynamics.states, reverse=True))
         element = joint.find("dynamics")
+        notes += own_friction(dynamics, element, "damping", "friction")
         if element is None and any(friction.values()):
             element = Element("dynamics")
             add(joint, element)
