@@ -413,6 +413,36 @@ def test_which_of_the_models_points_was_measured_follows_from_its_motion(logs):
     assert "# unknown: point: taken by its speed, which goes with that of tip by" in text
 
 
+@pytest.mark.parametrize("late", [0.0, LATE])
+def test_a_point_that_is_late_in_the_file_of_the_joints_has_a_clock_of_its_own(logs, late):
+    """One table of all: what a stamp says of the point is where it was before."""
+    t = np.arange(0.5, 8, 0.01)
+    joints = {f"q_{name} [deg]": np.degrees(q) for name, q in angles(t).items()}
+    tip = place(Arm.from_toml(logs / "arm.toml"), t - late)
+    write_robot(logs, joints | {f"tip {axis} [m]": x for axis, x in zip("XYZ", tip.T, strict=True)}, t)
+    data, text = guessed(logs, "robot.csv")
+    clocks = {"robot": 0.0} | ({"robot_tip": "unknown"} if late else {})
+    assert data["clocks"] == clocks
+    used = {each["name"]: each["clock"] for each in data["signals"]}
+    assert used == {"pan": "robot", "lift": "robot", "tip": "robot_tip" if late else "robot"}
+    if late:
+        [said] = [line for line in text.splitlines() if line.startswith("clock = ") and "late" in line]
+        assert float(said.split("are ")[1].split(" s")[0]) == pytest.approx(late, abs=0.02)
+
+
+def test_an_angle_of_unknown_joint_has_a_clock_and_no_noise_before_its_gear_is_known(logs):
+    """Once it is uncommented it must neither count on the tracker's clock nor have the motor's noise."""
+    t = np.arange(0, 8, 0.004)
+    rows = "\n".join(f"{s:.3f},{np.degrees(50 * q):.3f}" for s, q in zip(t, angles(t)["pan"], strict=True))
+    (logs / "one.csv").write_text("time,Drehwerk [deg]\n" + rows + "\n")
+    data, text = guessed(logs, "one.csv", "tracker.csv")
+    assert data["clocks"] == {"one": 0.0, "tracker": "unknown"}
+    waiting = [line for line in text.splitlines() if line.startswith("# ")]
+    assert '# clock = "one"' in waiting
+    assert any("unknown: before_gear" in line for line in waiting)
+    assert not any("noise_std" in line for line in waiting)
+
+
 def test_columns_that_never_change_are_no_signals_and_numbers_name_joints(logs):
     t = np.arange(0, 8, 0.004)
     angle = {"A2 Ist [deg]": np.degrees(angles(t)["lift"]), "A1 Ist [deg]": np.degrees(angles(t)["pan"])}

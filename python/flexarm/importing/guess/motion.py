@@ -17,6 +17,8 @@ from flexarm.arm import Arm
 from flexarm.arm.kinematics import link_pose
 from flexarm.arrays import Floats
 
+ALIKE_SPEEDS = 0.8
+"""Correlation of speeds from which on a measured motion is taken for one of the model."""
 ROWS = 4000
 """Instants of the grid on which motions are compared."""
 
@@ -53,7 +55,10 @@ class Track:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How a measured motion goes with one of the model: (1), the lag [s], and the model's size over it."""
+    """How a measured motion goes with one of the model: (1), the lag [s], and the model's size over it.
+
+    The lag is how late the measured stamps are, both counted as in their tracks.
+    """
 
     correlation: float
     lag: float
@@ -94,7 +99,7 @@ def agreement(measured: Track, predicted: Track, rows: int = ROWS) -> Agreement:
         found = float(a @ b) / size if size > 0 else -1.0
         if found > best:
             best, lag = found, k
-    return Agreement(best, lag * step, ratio)
+    return Agreement(best, lag * step + float(measured.time[0] - predicted.time[0]), ratio)
 
 
 def _speeds(track: Track, step: float) -> Floats:

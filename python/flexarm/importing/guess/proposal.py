@@ -45,6 +45,8 @@ class Proposal:
     """By key the reason, and what is not known."""
     rivals: tuple[Option, ...] = ()
     """Other units with which the model moves about as far as measured."""
+    own_clock: bool = False
+    """True if its stamps are late against those of the joints in the same file."""
     out: bool = False
     """True if it is commented out, as the map could not be read with it."""
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.drive.doubts import slides
-from flexarm.importing.guess.motion import Agreement, Track, agreement, rigid_track, white_noise
+from flexarm.importing.guess.motion import ALIKE_SPEEDS, Agreement, Track, agreement, rigid_track, white_noise
 from flexarm.importing.guess.proposal import (
     FARTHEST_SLIDE,
     TURNS,
@@ -138,9 +138,16 @@ def settle_motion(proposals: Sequence[Proposal], arm: Arm) -> dict[str, str]:
         name, told = plain_name(Path(seen.first.file).stem), "nothing tells where it stands"
         if seen.quantity == "position" and joints and len(seen.track().time) > 8:
             found = agreement_of(seen, arm, joints)
-            alike = f"{found.correlation:.2f} at a lag of {found.lag:.3g} s"
-            reason = f"speeds correlate with the model's by {alike}"
+            late = _late(seen, drives_of(proposals), found)
+            told_lag = f"{found.lag:.3g} s, each from its first stamp" if late is None else f"{late:.3g} s"
+            reason = f"speeds correlate with the model's by {found.correlation:.2f} at a lag of {told_lag}"
             seen.why["point"] = "; ".join(filter(None, (seen.why.get("point"), reason)))
+            if late is not None and found.correlation > ALIKE_SPEEDS and abs(late) > _finest_lag(seen):
+                for each in (
+                    p for p in proposals if p.place == seen.place and p.first.kind == seen.first.kind
+                ):
+                    each.own_clock = True
+                    each.why["clock"] = f"its stamps are {late:.3g} s late against the joints'"
             if found.correlation < 0.5:
                 seen.unknown["point"] = (
                     "the model's point does not move like it: joints, signs or point may be wrong"
@@ -154,6 +161,18 @@ def settle_motion(proposals: Sequence[Proposal], arm: Arm) -> dict[str, str]:
         seen.keys["frame"] = name
         frames[name] = told
     return frames
+
+
+def _late(seen: Proposal, drives: Sequence[Proposal], found: Agreement) -> float | None:
+    """Return how late the stamps of a point are against those of the joints [s]; None in another file."""
+    if any(drive.first.file != seen.first.file for drive in drives):
+        return None
+    return found.lag + seen.first.time.start - drives[0].first.time.start
+
+
+def _finest_lag(seen: Proposal) -> float:
+    """Return the lag [s] below which stamps may be those of one clock: three intervals of the point."""
+    return 3 * float(np.median(np.diff(seen.track().time)))
 
 
 def _from_base(seen: Proposal, arm: Arm, joints: dict[str, Track], lag: float) -> float:
@@ -170,6 +189,8 @@ def settle_noise(proposals: Sequence[Proposal], arm: Arm) -> None:
     for proposal in proposals:
         if proposal.quantity == "joint_command" or (proposal.counts and proposal.out):
             continue
+        if proposal.place == ("joint", ""):
+            continue  # which may be before the gear or not
         sizes = [white_noise(column.values) for column in proposal.columns]
         sigma = float(np.max(sizes)) * proposal.factor()
         sigma /= abs(gear_ratio(arm, proposal.place[1])) if "before_gear" in proposal.keys else 1.0

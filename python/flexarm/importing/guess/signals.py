@@ -11,7 +11,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.importing.guess.logged import Logged
-from flexarm.importing.guess.motion import Track, agreement, rigid_track
+from flexarm.importing.guess.motion import ALIKE_SPEEDS, Track, agreement, rigid_track
 from flexarm.importing.guess.proposal import Proposal, drives_of
 from flexarm.importing.guess.words import VECTORS, matched, words_of
 from flexarm.quantities import QUANTITIES
@@ -20,9 +20,6 @@ from flexarm.units import factor_to
 SCALARS = ("joint_angle", "joint_rate", "joint_command", "motor_torque", "current", "motor_voltage")
 MOTOR, OUTPUT = ("mot", "motor", "actuator"), ("se", "link", "out", "output", "secondary", "load", "arm")
 """Words of sides."""
-
-ALIKE_SPEEDS = 0.8
-"""Correlation of speeds from which on columns without names are taken for a point."""
 
 
 def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
@@ -162,6 +159,8 @@ def settle_places(proposals: Sequence[Proposal], arm: Arm) -> None:
         else:
             for proposal in family:
                 proposal.unknown["joint"] = f"there are {', '.join(joints)}"
+                if any(joint.gear_ratio != 1 for joint in arm.moving_joints):
+                    proposal.unknown["before_gear"] = "true if the motor's own angle is logged"
                 proposal.out = True
 
     for proposal in (p for p in proposals if p.place == ("point", "")):

@@ -33,18 +33,20 @@ def map_text(
         f"format = {_value(FORMAT)}",
         f"model = {_value(model)}",
     ]
+    waiting = [] if drives else [p for p in proposals if p.out and p.quantity in DRIVING]
     if drives:
         lines.append(f"drive = {_value([p.name for p in drives])}  # angles or commands of the joints")
-    elif waiting := [p.name for p in proposals if p.out and p.quantity in DRIVING]:
+    elif waiting:
         lines.append(
             "# unknown: drive; the angles below are commented out: say what they lack, and uncomment them"
         )
-        lines.append(f"# drive = {_value(waiting)}")
+        lines.append(f"# drive = {_value([p.name for p in waiting])}")
     else:
         lines.append("# unknown: drive; no column is the angle or command of a joint")
-    files = list(dict.fromkeys(p.first.file for p in [*drives, *proposals] if not p.out))
-    clocks = {file: clock_name(file, files) for file in files}
-    lines += ["", "[clocks]", *_clocks(clocks, proposals)] if files else []
+    clocked = [*drives, *waiting, *(p for p in proposals if not p.out)]
+    files = list(dict.fromkeys(p.first.file for p in clocked))
+    clocks = {clock_of(p): clock_name(p, files) for p in clocked}
+    lines += ["", "[clocks]", *_clocks(clocks, clocked)] if len(clocked) > len(waiting) else []
     if frames:
         lines += ["", "[frames]"]
         lines += [f"{name} = {_value('unknown')}  # {why}" for name, why in frames.items()]
@@ -55,25 +57,34 @@ def map_text(
     return "\n".join(lines) + "\n"
 
 
-def clock_name(file: str, files: Sequence[str]) -> str:
-    """Return the name of a file's clock."""
+def clock_of(proposal: Proposal) -> tuple[str, str]:
+    """Return the file of a signal's clock, and the signal if the clock is its own."""
+    return proposal.first.file, proposal.name if proposal.own_clock else ""
+
+
+def clock_name(proposal: Proposal, files: Sequence[str]) -> str:
+    """Return the name of a signal's clock: of its file, and of the signal if the clock is its own."""
+    file = proposal.first.file
     plain = re.sub(r"[^\w-]+", "_", Path(file).stem).strip("_") or "log"
     alike = [other for other in files if Path(other).stem == Path(file).stem]
-    return plain if len(alike) == 1 else f"{plain}_{alike.index(file) + 1}"
+    name = plain if len(alike) == 1 else f"{plain}_{alike.index(file) + 1}"
+    return f"{name}_{proposal.name}" if proposal.own_clock else name
 
 
-def _clocks(clocks: Mapping[str, str], proposals: Sequence[Proposal]) -> Iterator[str]:
+def _clocks(clocks: Mapping[tuple[str, str], str], proposals: Sequence[Proposal]) -> Iterator[str]:
     calendar = {p.first.file: p.first.time.of_calendar for p in proposals}
-    for k, (file, name) in enumerate(clocks.items()):
+    (first, _), *_ = clocks
+    for k, ((file, own), name) in enumerate(clocks.items()):
         if k == 0:
             yield f"{name} = 0.0  # the reference: stamps of {file}"
             continue
-        both = calendar.get(file) and calendar.get(next(iter(clocks)))
+        both = calendar[file] and calendar[first]
         why = "both count from 1970: if they were synchronised, write 1 sigma [s]" if both else "another file"
+        why = f"the signal {own} shows a delay" if own else why
         yield f"{name} = {_value('unknown')}  # unknown: how late its stamps are; {why}"
 
 
-def _signal(proposal: Proposal, clocks: Mapping[str, str]) -> Iterator[str]:
+def _signal(proposal: Proposal, clocks: Mapping[tuple[str, str], str]) -> Iterator[str]:
     first, time = proposal.first, proposal.first.time
     kind, place = proposal.place
     keys: dict[str, Any] = {"name": proposal.name, "source": first.file}
@@ -90,8 +101,8 @@ def _signal(proposal: Proposal, clocks: Mapping[str, str]) -> Iterator[str]:
     keys["quantity"] = proposal.quantity
     keys[kind] = place or "unknown"
     keys |= proposal.keys
-    if first.file in clocks:
-        keys["clock"] = clocks[first.file]
+    if clock_of(proposal) in clocks:
+        keys["clock"] = clocks[clock_of(proposal)]
     why = {"time": time.why, **proposal.why}
     unknown = dict(proposal.unknown)
     if time.unknown:
