@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arms import arm, beam, compliance, general, hinge, paper_arm, point, rigid
+from arms import TUBE, arm, beam, compliance, general, hinge, paper_arm, point, rigid
 from numpy.typing import NDArray
 from part_arms import arm_of_parts
 from pytest import approx
@@ -465,6 +465,18 @@ def test_a_plot_names_its_units(tmp_path: Path) -> None:
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["tip.x", "tip.y", "tip.z"]
     with pytest.raises(InvalidParameter, match="there is no output 'nose'"):
         found.plot(output="nose")
+
+
+def test_a_plot_leaves_out_what_does_not_answer() -> None:
+    """The rigid joint's own angle is 1 at all frequencies; along y nothing moves but by rounding."""
+    rod = arm(
+        joints=[hinge("hinge", "rod")],
+        links=[beam("rod", [0, 0, 2.0], TUBE)],
+        points=[point("tip", "rod", [0, 0, 2.0])],
+    )
+    axes = linearise(rod, {"hinge": 0.5}, outputs=["hinge", "tip"]).plot()
+    assert axes.get_ylabel() == "output over hinge.angle [m/(rad)]"
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["tip.x", "tip.z"]
 
 
 # ---------------------------------------------------------------------------- mistakes

@@ -258,6 +258,37 @@ def test_plain_pictures_draw_arms_and_name_modes(run):
     plt.close("all")
 
 
+def reacher() -> Arm:
+    """A column that turns, a boom along x that is lifted, and a heavy tool."""
+    wide = {"shape": "rectangle", "width": 0.08, "height": 0.12, "thickness": 0.004}
+    return arm_of(
+        joints=[
+            hinge("slew", "post", axis=[0, 0, 1]),
+            hinge("pitch", "outer", "post", at="end", axis=[0, -1, 0]),
+        ],
+        links=[beam("post", [0, 0, 0.9], TUBE), beam("outer", [2.6, 0, 0], wide, up=[0, 0, 1])],
+        payloads=[{"name": "tool", "link": "outer", "position": [2.6, 0, 0], "mass": 8.0}],
+        points=[point("tip", "outer", [2.6, 0, 0])],
+    )
+
+
+def test_an_arm_in_space_is_drawn_along_its_reach():
+    """Slewing moves its end along y, lifting along z; it reaches 2.6 m along x."""
+    axes = reacher().plot()
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [m]", "z [m]")
+
+
+def test_each_mode_is_drawn_in_a_plane_in_which_it_moves():
+    """Motion mainly along y must show, however small its amplitude is drawn."""
+    found = flexarm.modes(reacher(), {"pitch": 0.4}, count=6)
+    drawn = {}
+    for panel in found.plot().figure.axes:
+        title = panel.get_title().replace("\n", " ")
+        if "mainly" in title:
+            drawn[title] = title[-1] in panel.get_xlabel()[0] + panel.get_ylabel()[0]
+    assert len(drawn) > 3 and all(drawn.values())
+
+
 @pytest.mark.parametrize("count", [1, 3, 7])
 def test_names_in_a_picture_cover_none_of_each_other(count):
     links = [f"link_{k}" for k in range(count)]

@@ -316,7 +316,7 @@ class Arm(Shown, Table):
 
     @takes(joints=VALUES)
     def plot(self, ax: Axes | None = None, joints: Mapping[str, float] | None = None) -> Axes:
-        """Draw the undeformed arm with Matplotlib, in the plane in which it reaches farthest."""
+        """Draw the undeformed arm with Matplotlib, in the plane in which it reaches and moves most."""
         return drawn(self, ax=ax, joints=joints)
 
     # -------------------------------------------------------------------- text

@@ -200,26 +200,40 @@ class LinearModel(Result):
         return cls(arm=arm, **arrays, **texts)
 
     def plot(self, ax: Axes | None = None, input: str | None = None, output: str | None = None) -> Axes:
-        """Plot the frequency response of an input (default: first) to an output, or to all of its unit."""
+        """Plot the frequency response of an input (default: first) to an output.
+
+        Default: all outputs of one unit that answer, of the first unit of which one depends on the frequency.
+        """
         import matplotlib.pyplot as plt
 
         axes = plt.subplots()[1] if ax is None else ax
         k = 0 if input is None else _position(self.input_names, input, "input")
-        first = 0 if output is None else _position(self.output_names, output, "output")
         own = np.abs(self.poles) / (2 * np.pi)
         own = np.unique(own[own > 1e-6])
         low, high = (own[0], own[min(len(own), 10) - 1]) if len(own) else (0.1, 10.0)
-        unit, frequency = self.output_units[first], np.asarray(np.geomspace(low / 10, 2 * high, 2000))
+        frequency = np.asarray(np.geomspace(low / 10, 2 * high, 2000))
         response = np.abs(self.frequency_response(frequency)[:, :, k])
-        for i, name in enumerate(self.output_names):
-            if name == output or (output is None and self.output_units[i] == unit):
-                axes.loglog(frequency, response[:, i], label=name)
+        drawn = (
+            self._answering(response) if output is None else [_position(self.output_names, output, "output")]
+        )
+        unit = self.output_units[drawn[0]]
+        for i in drawn:
+            axes.loglog(frequency, response[:, i], label=self.output_names[i])
         axes.set(
             xlabel="frequency [Hz]",
             ylabel=f"output over {self.input_names[k]} [{unit}/({self.input_units[k]})]",
         )
         axes.legend()
         return axes
+
+    def _answering(self, response: Floats) -> list[int]:
+        """Return outputs of one unit whose responses, shape (frequency, output), are not rounding."""
+        rounding = 1e-9  # of the greatest response of the unit
+        size, units = response.max(axis=0), np.array(self.output_units)
+        found = [i for i, unit in enumerate(units) if size[i] > rounding * size[units == unit].max()]
+        varied = [i for i in found if np.ptp(response[:, i]) > 1e-3 * size[i]]
+        first = (varied or found or [0])[0]
+        return [i for i in found if units[i] == units[first]] or [0]
 
     def summary(self) -> str:
         """Return the result in lines that a person reads."""

@@ -101,7 +101,7 @@ class Statics(Result):
 
     @takes(scale=NUMBER)
     def plot(self, ax: Axes | None = None, scale: float | None = None) -> Axes:
-        """Draw the deformed arm over the rigid one, in the plane in which it reaches farthest.
+        """Draw the deformed arm over the rigid one, in the plane in which it reaches and moves most.
 
         Parameters
         ----------

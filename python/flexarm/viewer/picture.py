@@ -1,4 +1,4 @@
-"""Plain pictures of the same scenes: the arm in the plane of the base axes in which it reaches farthest."""
+"""Plain pictures of the same scenes: the arm in the plane in which it reaches and moves most."""
 
 from __future__ import annotations
 
@@ -73,9 +73,9 @@ def _one(scene: Scene, clip: int, ax: Axes | None, names: bool = True) -> Axes:
     moved = np.linalg.norm(shown.poses.x - shown.poses.x[:1], axis=-1).max(axis=1)
     turned = np.abs(shown.poses.R - shown.poses.R[:1]).max(axis=(1, 2, 3))
     frame = int(np.argmax(moved / max(moved.max(), 1e-300) + turned))
-    # An arm at rest is drawn in the plane in which its joints move it.
-    moves = scene.clips if len(shown.time) == 1 else (shown,)
-    first, second = _plane(np.concatenate([clip.poses.x for clip in moves]))
+    at_rest = len(shown.time) == 1 and len(scene.clips) > 1
+    x = np.concatenate([clip.poses.x for clip in scene.clips]) if at_rest else shown.poses.x
+    first, second = _plane(x, at_rest)
     for skin in scene.skins:
         corners = placed(skin, shown.poses, frame)[:, [first, second]]
         if skin.layer in GHOSTS:
@@ -98,10 +98,16 @@ def _one(scene: Scene, clip: int, ax: Axes | None, names: bool = True) -> Axes:
     return axes
 
 
-def _plane(x: Floats) -> tuple[int, int]:
-    """Return the axes that are drawn: poses (m, bone, 3) are looked at along the least extent and motion."""
-    extent = np.ptp(x[0], axis=0) + 10 * np.abs(x - x[0]).max(axis=(0, 1))
+def _plane(x: Floats, at_rest: bool) -> tuple[int, int]:
+    """Return the axes that are drawn: poses (m, bone, 3) are looked at along the least extent and motion.
+
+    A motion shows along its greatest axis. Of an arm at rest the poses are motions of its joints, one by one.
+    """
+    moved = np.abs(x - x[0]).max(axis=(0, 1))
+    extent = np.ptp(x[0], axis=0) + moved
     extent += 1e-9 * extent.max() * np.array([1, 0, 2])  # among equals x and z are shown
+    if not at_rest and moved.any():
+        extent[np.argmax(moved)] = np.inf
     least = int(np.argmin(extent))
     first, second = (k for k in range(3) if k != least)
     return first, second
