@@ -208,6 +208,8 @@ def test_the_line_of_a_mistake_is_named(model_text: str, tmp_path: Path) -> None
     (b"\x89PNG\r\n\x1a\n\x00\x00", r"is a picture \(PNG\), which flexarm does not read"),
     (b"name = \"caf\xe9\"", "not a text in UTF-8: byte 0xe9"),
     (b"a\x00b = 1", "not valid TOML"),
+    (b"Weg [\xb0];Zeit\n1,5;2\n3,5;4\n5,5;6\n", "is a table of numbers.*`flexarm import --guess`"),
+    (b"links = [{ name = 'a' }]\n[[links]]\nname = 'b'", r"links = \.\.\. is given above; write all of it there"),
     (b"", "format: is missing"),
     (b"x = " + b"[" * 5000, "not valid TOML"),
 ])  # fmt: skip

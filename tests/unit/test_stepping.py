@@ -376,7 +376,9 @@ def test_inputs_that_no_step_can_be_made_of_are_told(
 
 def test_names_and_numbers_that_do_not_fit_the_arm_are_told(sim: Stepper, start: State) -> None:
     model = two_links()
-    with pytest.raises(InvalidParameter, match="no moving joint 'wrist'; there are shoulder, elbow"):
+    with pytest.raises(
+        InvalidParameter, match="inputs: there is no moving joint 'wrist'; there are shoulder, elbow"
+    ):
         Stepper(model, {"wrist": "torque"})
     with pytest.raises(InvalidParameter, match="must be one of motor, output, torque, free, got 'push'"):
         Stepper(model, {"elbow": "push"})

@@ -53,7 +53,8 @@ def _headline(f: Findings) -> Iterator[str]:
     yield f"{f.count} runs, {f'of which {f.failed}' if f.failed else 'none of which'} failed."
     for each in f.yields:
         share, low, high = _shares(each.share, each.low90, each.high90)
-        yield f"{share} ({low} to {high}) stay within {with_unit(each.tolerance, each.unit)} of {each.name}."
+        tolerance = with_unit(each.tolerance, each.unit)
+        yield f"In {share} of the runs ({low} to {high}) {each.name} is within {tolerance}."
     for cost in f.costs:
         k = int(np.argmax(cost.first))
         alone, whole = (with_unit(size, cost.unit) for size in (float(cost.each[k]), cost.rms))

@@ -62,10 +62,10 @@ class Inputs:
         moving = [joint.name for joint in self._arm.moving_joints]
         for name, what in self.told.items():
             if name not in moving:
-                raise InvalidParameter(missing("moving joint", name, moving), where="told")
+                raise InvalidParameter(missing("moving joint", name, moving), where="inputs")
             if what not in _KINDS:
                 raise InvalidParameter(
-                    f"must be one of {', '.join(_KINDS)}, got {what!r}", where=f"told.{name}"
+                    f"must be one of {', '.join(_KINDS)}, got {what!r}", where=f"inputs.{name}"
                 )
 
     def _place(self, name: str) -> tuple[int, float, bool]:

@@ -39,10 +39,10 @@ class Stepper:
     ----------
     arm : Arm
         The model, with its effects.
-    told : dict of str to {"motor", "output", "torque", "free"}
-        What each joint is told: the motor's angle over the ratio, the link's own angle, the motor's torque
+    inputs : dict of str to {"motor", "output", "torque", "free"}
+        The input of each joint: the motor's angle over the ratio, the link's own angle, the motor's torque
         times the ratio, or nothing. Joints left out stay where they start; those that a gear couples to a
-        told one follow it, and so do joints of closed loops.
+        driven one follow it, and so do joints of closed loops.
     forces : collection of str
         Points that forces will act on; on a beam they get a node of their own.
     step : float
@@ -62,24 +62,24 @@ class Stepper:
     >>> state = sim.step(state, {"hinge": sim.joint(state, "hinge").motor_torque})  # doctest: +SKIP
     """
 
-    @takes(arm=ARM, told=TEXTS, forces=NAMES, step=NUMBER, alpha=NUMBER)
+    @takes(arm=ARM, inputs=TEXTS, forces=NAMES, step=NUMBER, alpha=NUMBER)
     def __init__(
         self,
         arm: Arm,
-        told: Mapping[str, str],
+        inputs: Mapping[str, str],
         *,
         forces: Collection[str] = (),
         step: float = 2e-3,
         alpha: float = -0.05,
     ) -> None:
-        if late := [e for e in arm.effects if isinstance(e, DriveEffect) and e.at in told and any(e.lag())]:
+        if late := [e for e in arm.effects if isinstance(e, DriveEffect) and e.at in inputs and any(e.lag())]:
             raise InvalidParameter(
                 f"{late[0].name} at {late[0].at!r}: the joints of a stepper follow their inputs at once; "
                 "leave the effect out and give inputs that lag",
                 where="arm",
             )
         self._arm = arm
-        self._inputs = Inputs(arm, told)
+        self._inputs = Inputs(arm, inputs)
         self._joints = {joint.name: i for i, joint in enumerate(arm.joints)}
         self._points = {point.name: i for i, point in enumerate(arm.points)}
         self._sensors = {sensor.name: sensor for sensor in arm.sensors}

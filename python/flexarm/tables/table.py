@@ -143,6 +143,12 @@ class Table(BaseModel):
         except ValidationError as error:
             raise parameter_error(type(self), error, values) from None
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in type(self).model_fields:
+            kind = type(self).__name__
+            raise InvalidParameter(f"{kind} is frozen; replace({name}=...) makes a changed copy", where=name)
+        super().__setattr__(name, value)
+
     # Tells pydantic that nested tables need not pass through this __init__, so that a file's error keeps its
     # place.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]

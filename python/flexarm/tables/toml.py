@@ -28,6 +28,8 @@ def read_text(file: Path) -> str:
     try:
         return file.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
+        if kind := table_of_text(error.object.decode("cp1252", "replace")):
+            raise InvalidFile(file, "file", kind) from None
         line = error.object[: error.start].count(b"\n") + 1
         byte = error.object[error.start]
         what = f"not a text in UTF-8: byte 0x{byte:02x} at position {error.start}"
@@ -47,6 +49,10 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
         if kind := prose(text):
             raise InvalidFile(file, "file", f"{kind}; allowed is {expected_format!r}") from None
         what, place = _split_place(str(error))
+        if twice := re.match(r"Cannot mutate immutable namespace \('(\w+)',", what):
+            what = (
+                f"{twice[1]} = ... is given above; write all of it there, or each as a table [[{twice[1]}]]"
+            )
         raise InvalidFile(file, place, f"not valid TOML: {what}{_line_at(text, place)}") from None
     except ValueError:  # Python reads no integer of more digits
         raise InvalidFile(file, _longest_line(text), "a whole number has thousands of digits") from None
