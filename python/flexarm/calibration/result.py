@@ -14,14 +14,12 @@ from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.calibration.estimates import CalibratedFamily, CalibratedFrame, CalibratedParameter, ChiSquare
 from flexarm.calibration.policy import CalibrationPolicy
-from flexarm.comparison.before_after import BeforeAfter
 from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
 from flexarm.pictures import Shown
+from flexarm.report.before_after import BeforeAfter
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from flexarm.arm import Arm
     from flexarm.comparison.comparison import Comparison
 
@@ -111,25 +109,6 @@ class Calibration(BeforeAfter, SavedAsDirectory, Shown):
         from flexarm.report.calibration import summary
 
         return summary(self)
-
-    def plot(self, ax: Axes | None = None, record: str | None = None) -> Axes:
-        """Return the main signal's gap before and after along a record, and the noise (2 sigma) as a band.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Where to draw.
-        record : str, optional
-            Which one; default: the first held-out one, or the first of training.
-
-        Raises
-        ------
-        InvalidParameter
-            If there is no such record, or nothing in it was compared.
-        """
-        from flexarm.report.gap_figures import plot
-
-        return plot(self, ax, record)
 
     @classmethod
     @takes(path=PATH)

@@ -20,18 +20,16 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from flexarm.arguments import PATH, takes
 from flexarm.arm.parameter import parameters, path_of
 from flexarm.comparison.align import KEPT
-from flexarm.comparison.before_after import BeforeAfter
 from flexarm.fit_statistics import FitStatistics
 from flexarm.law_curve import LawCurve
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
 from flexarm.pictures import Shown, viewed
+from flexarm.report.before_after import BeforeAfter
 from flexarm.report.sentences import contradicted_sentence
 from flexarm.wording import scale, signed
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from flexarm.arm import Arm
     from flexarm.comparison.comparison import Comparison
     from flexarm.diagnosis.problem import Problem
@@ -69,20 +67,13 @@ class HeldOutGap:
         return self.held_out / known if known > 0 else 0.0
 
 
-def unpredicted(diagnosis: Diagnosis) -> HeldOutGap | None:
-    """Return the held-out gap that is largest relative to noise and training, or None below `TIMES`."""
-    worst = max(held_out_gaps(diagnosis), key=lambda gap: gap.ratio, default=None)
-    return None if worst is None or worst.ratio < TIMES else worst
-
-
-def adequate_if_predicted(diagnosis: Diagnosis, no_gap: Mapping[str, float], swings: bool) -> Diagnosis:
+def adequate_if_predicted(d: Diagnosis, no_gap: Mapping[str, float], swings: bool) -> Diagnosis:
     """Return the diagnosis, "unexplained" if it is "adequate" and held-out data contradict that.
 
     `no_gap` is the mean square of input noise and discretisation error over that of the noise, by signal.
     `swings` is True if a training record begins in motion: `compare` then shows vibrations that a fit
     removes.
     """
-    d = diagnosis
     if d.verdict != "adequate":
         return d
 
@@ -264,8 +255,9 @@ class Diagnosis(BeforeAfter, SavedAsDirectory, Shown):
 
     @property
     def unpredicted(self) -> HeldOutGap | None:
-        """Return the gap of held-out data that the model predicts worst, or None if it predicts all."""
-        return unpredicted(self)
+        """Return the held-out gap that is largest relative to noise and training, or None below `TIMES`."""
+        worst = max(held_out_gaps(self), key=lambda gap: gap.ratio, default=None)
+        return None if worst is None or worst.ratio < TIMES else worst
 
     def figures_of(self, effect: NamedEffect) -> list[str]:
         """Names of the files that `save` draws for a named effect."""
@@ -286,25 +278,6 @@ class Diagnosis(BeforeAfter, SavedAsDirectory, Shown):
         from flexarm.report.diagnosis import summary
 
         return summary(self)
-
-    def plot(self, ax: Axes | None = None, record: str | None = None) -> Axes:
-        """Return the main signal's gap before and after along a record, and the noise (2 sigma) as a band.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Where to draw.
-        record : str, optional
-            Which one; default: the first held-out one, or the first of training.
-
-        Raises
-        ------
-        InvalidParameter
-            If there is no such record, or nothing in it was compared.
-        """
-        from flexarm.report.gap_figures import plot
-
-        return plot(self, ax, record)
 
     def view(self, record: Record | None = None, scale: float = 1.0, urdf: str | Path | None = None) -> View:
         """Show the updated model in three dimensions, along a record with its measured points.

@@ -6,7 +6,6 @@ import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from math import isfinite
 from pathlib import Path
-from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from flexarm.comparison.comparison import frame_words
@@ -35,8 +34,8 @@ from flexarm.wording import interval, listed, place_words, probability, referenc
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flexarm.comparison.before_after import BeforeAfter
     from flexarm.diagnosis.result import Diagnosis
+    from flexarm.report.before_after import BeforeAfter
 
 
 def write(diagnosis: Diagnosis, directory: Path, model: Path | None = None) -> None:
@@ -70,7 +69,7 @@ def _figures(d: Diagnosis) -> Iterator[tuple[str, str, str, Figure | None]]:
         "Each parameter fitted to one record alone (bars: 90 %), beside the value of all records together "
         "(line; band: 90 %). A right name's parameter stays where it is."
     )
-    yield "constancy", "constancy", what, constancy(d, d.constancy)
+    yield "constancy", "constancy", what, constancy(d)
     for effect in d.effects:
         for file in d.figures_of(effect):
             yield file.removesuffix(".png"), "effects", "", of_effect(d, effect)
@@ -127,7 +126,7 @@ def write_updated(diagnosis: Diagnosis, path: Path, model: Path | None = None) -
     same file, so there is no date in it. Values are in SI units like those below them; 90 % intervals of
     refined nominal values are those of a normal distribution.
     """
-    lines = [part for line in _head(diagnosis) for part in wrap(line, 118, subsequent_indent="    ")]
+    lines = [part for line in _head(diagnosis) for part in textwrap.wrap(line, 118, subsequent_indent="    ")]
     head = "".join(f"# {line}\n" for line in lines)
     write_file(path, f"{head}\n{diagnosis.updated.toml_for(path.parent, model)}")
 

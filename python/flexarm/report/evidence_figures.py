@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import log
 from typing import TYPE_CHECKING, Any
 
@@ -66,8 +65,9 @@ def _candidate_rows(d: Diagnosis) -> list[tuple[str, float, str]]:
     return [(place_words(*place), lacking, colour) for place, (lacking, colour) in rows.items()]
 
 
-def constancy(d: Diagnosis, entries: Sequence[Any]) -> Figure | None:
+def constancy(d: Diagnosis) -> Figure | None:
     """Return parameters fitted to each record alone, and to all together; None if there are none."""
+    entries = d.constancy
     if not entries:
         return None
     heights = [0.2 * (1 + len(entry["values"])) for entry in entries]

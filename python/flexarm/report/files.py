@@ -72,18 +72,14 @@ def drawn(figures: Iterable[tuple[str, str, str, Figure | None]], **options: Any
     Each comes as name, section, caption and figure; one that is None is left out. Options are those of
     `Figure.savefig`.
     """
+    found = []
     with style():
-        return [
-            Drawing(name, section, caption, _png(figure, **options))
-            for name, section, caption, figure in figures
-            if figure is not None
-        ]
-
-
-def _png(figure: Figure, **options: Any) -> bytes:
-    content = BytesIO()
-    figure.savefig(content, format="png", dpi=170, metadata={"Software": FIGURE}, **options)
-    return content.getvalue()
+        for name, section, caption, figure in figures:
+            if figure is not None:
+                content = BytesIO()
+                figure.savefig(content, format="png", dpi=170, metadata={"Software": FIGURE}, **options)
+                found.append(Drawing(name, section, caption, content.getvalue()))
+    return found
 
 
 def write_files(

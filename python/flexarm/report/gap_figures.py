@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.arguments import AXES, TEXT, takes
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.comparison.pooled_gap import pooled
@@ -20,9 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from flexarm.comparison.before_after import BeforeAfter
     from flexarm.comparison.gap import SignalGap
     from flexarm.diagnosis.result import Diagnosis
+    from flexarm.report.before_after import BeforeAfter
 
 
 BEFORE, AFTER, NOISE = "#D55E00", "#0072B2", "#d9d9d9"
@@ -33,13 +32,16 @@ LOOKS: dict[str, dict[str, Any]] = {
 """Okabe and Ito's colours, told apart by everyone; markers differ too."""
 
 
-@takes(ax=AXES, record=TEXT)
-def plot(diagnosis: BeforeAfter, ax: Axes | None = None, record: str | None = None) -> Axes:
-    """Return what `Diagnosis.plot` draws: the direction with the largest gap."""
+def plot(d: BeforeAfter, ax: Axes | None, record: str | None) -> Axes:
+    """Return what `BeforeAfter.plot` draws: the direction with the largest gap."""
     import matplotlib.pyplot as plt
 
-    name = _record(diagnosis, record)
-    gaps = sides(diagnosis, name)
+    there = [name for name in (*d.held_out, *d.training, *d.before) if name in d.before and sides(d, name)]
+    if not there or record not in (None, *there):
+        known = [name for name in d.before if name in there]
+        raise InvalidParameter(missing("compared record", str(record), known), where="record")
+    name = there[0] if record is None else record
+    gaps = sides(d, name)
     before = gaps["nominal model"]
     direction = worst(before)
     axes = plt.subplots()[1] if ax is None else ax
@@ -50,16 +52,6 @@ def plot(diagnosis: BeforeAfter, ax: Axes | None = None, record: str | None = No
     )
     axes.legend()
     return axes
-
-
-def _record(diagnosis: BeforeAfter, wanted: str | None) -> str:
-    there = [name for name in diagnosis.before if sides(diagnosis, name)]
-    if wanted is None and there:
-        first = [n for n in (*diagnosis.held_out, *diagnosis.training) if n in there]
-        return (first or there)[0]
-    if wanted not in there:
-        raise InvalidParameter(missing("compared record", str(wanted), there), where="record")
-    return wanted
 
 
 def sides(diagnosis: BeforeAfter, record: str) -> dict[str, SignalGap]:
@@ -108,38 +100,28 @@ def noise_of(gap: SignalGap) -> float | None:
     return None if gap.noise_rms is None else gap.noise_rms / float(np.sqrt(max(1, len(directions(gap)))))
 
 
-def draw(
-    ax: Axes,
-    gaps: Mapping[str, SignalGap],
-    direction: str,
-    factor: float,
-    over: Mapping[str, Floats] | None = None,
-) -> None:
+def draw(ax: Axes, gaps: Mapping[str, SignalGap], direction: str, factor: float) -> None:
     """Draw the gaps by model, as `sides` gives them, in one direction along the record.
 
-    `factor` leads from the gap's unit to the drawn one. With `over` they are dots over that, else a line over
-    time.
+    `factor` leads from the gap's unit to the drawn one. Poses are dots, motions lines, with markers if they
+    have few samples.
     """
+    many = 400  # samples beyond which lines have no markers
     noise = noise_of(list(gaps.values())[-1])
     if noise:
         ax.axhspan(-2 * factor * noise, 2 * factor * noise, color=NOISE, lw=0, zorder=0, label="noise, 2σ")
     for name, gap in gaps.items():
-        part = gap.parts.get(direction)
-        if part is not None:
-            where = gap.time - (zero_of(gap.time) if gap.bands else 0.0) if over is None else over[name]
-            _line(ax, where, factor * part, over is not None or not gap.bands, name)
-
-
-def _line(ax: Axes, where: Floats, values: Floats, dotted: bool, name: str) -> None:
-    """Draw dots where order means nothing, else a line, with markers if they are few."""
-    many = 400  # samples beyond which lines have no markers
-    look: dict[str, Any] = {"label": name, **LOOKS[name]}
-    if dotted:
-        ax.plot(where, values, ls="none", ms=2.2, mew=0, rasterized=len(where) > many, **look)
-        return
-    if len(where) > many:
-        look["marker"] = "none"
-    ax.plot(where, values, lw=0.7, ms=2.2, mew=0, rasterized=len(where) > 5 * many, **look)
+        part, count = gap.parts.get(direction), len(gap.time)
+        if part is None:
+            continue
+        look: dict[str, Any] = {"ms": 2.2, "mew": 0, "label": name, **LOOKS[name]}
+        if not gap.bands:
+            ax.plot(gap.time, factor * part, ls="none", rasterized=count > many, **look)
+            continue
+        if count > many:
+            look["marker"] = "none"
+        since = gap.time - zero_of(gap.time)
+        ax.plot(since, factor * part, lw=0.7, rasterized=count > 5 * many, **look)
 
 
 TRAINING, HELD_OUT = "#CC79A7", "#009E73"

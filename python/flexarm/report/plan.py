@@ -47,7 +47,7 @@ def page(plan: Plan, figures: list[Drawing]) -> str:
         p=plan,
         headline=headline[:1].upper() + headline[1:],
         effects=list(_effect_rows(plan)),
-        groups=[listed([place_words(*plan.effects[i].place) for i in group]) for group in plan.groups],
+        groups=group_words(plan),
         additions=plan.additions(),
         ties=list(_tie_rows(plan)),
         drawn={drawing.name: drawing for drawing in figures},
@@ -74,6 +74,11 @@ def _figures(plan: Plan) -> Iterator[tuple[str, str, str, Figure]]:
         "Effects that are told well from all others are left out."
     )
     yield "matrix", "matrix", what, figure
+
+
+def group_words(plan: Plan) -> list[str]:
+    """Return the effects of each indistinguishable group as text."""
+    return [listed([place_words(*plan.effects[i].place) for i in group]) for group in plan.groups]
 
 
 def least_words(effect: PlannedEffect) -> str:
@@ -211,6 +216,7 @@ FORMAT = "flexarm-plan/1"
 
 def plan_dict(plan: Plan) -> dict[str, Any]:
     """Return the object of the file; what is infinite becomes null."""
+    added = ("addition", "minutes", "log_bayes_factor", "parts")
     effects = [
         {
             **{key: getattr(each, key) for key in ("name", "at", "parameter", "unit", "value", "null")},
@@ -228,20 +234,18 @@ def plan_dict(plan: Plan) -> dict[str, Any]:
         "effects": effects,
         "log_bayes_factor": plan.log_bayes_factor,
         "groups": [_places(plan.effects[i].place for i in group) for group in plan.groups],
-        "ties": [_tie(each) for each in plan.ties],
+        "ties": [
+            {
+                "effects": _places((tie.one, tie.other)),
+                "log_bayes_factor": tie.log_bayes_factor,
+                "additions": [{key: getattr(each, key) for key in added} for each in tie.partings],
+            }
+            for tie in plan.ties
+        ],
         "provenance": plan.provenance,
     }
     found: dict[str, Any] = plain(content)
     return found
-
-
-def _tie(tie: Tie) -> dict[str, Any]:
-    keys = ("addition", "minutes", "log_bayes_factor", "parts")
-    return {
-        "effects": _places((tie.one, tie.other)),
-        "log_bayes_factor": tie.log_bayes_factor,
-        "additions": [{key: getattr(each, key) for key in keys} for each in tie.partings],
-    }
 
 
 def _places(places: Iterable[tuple[str, str]]) -> list[dict[str, str]]:
@@ -269,7 +273,12 @@ def summary(plan: Plan) -> str:
     """All that matters on one screen."""
     lines = [f"plan of {plan.arm.name}: {', '.join(plan.runs)}", headline(plan), ""]
     lines += [f"assumed: {sentence}" for sentence in plan.assumed]
-    lines += ["", *_effect_lines(plan), "", *_group_lines(plan)]
+    lines += ["", *_effect_lines(plan), ""]
+    if plan.groups:
+        lines.append("cannot be told apart (expected ln Bayes factor below ln 20):")
+        lines += [f"  {group}" for group in group_words(plan)]
+    else:
+        lines.append("every effect that is seen can be told from every other one")
     return "\n".join([*lines, *_addition_lines(plan)]).replace("\n\n\n", "\n\n")
 
 
@@ -289,13 +298,6 @@ def _effect_lines(plan: Plan) -> list[str]:
         )
     widths = [max(len(row[k]) for row in rows) for k in range(5)]
     return ["  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
-
-
-def _group_lines(plan: Plan) -> list[str]:
-    if not plan.groups:
-        return ["every effect that is seen can be told from every other one"]
-    groups = [listed([place_words(*plan.effects[i].place) for i in group]) for group in plan.groups]
-    return ["cannot be told apart (expected ln Bayes factor below ln 20):", *(f"  {each}" for each in groups)]
 
 
 def _addition_lines(plan: Plan) -> list[str]:

@@ -19,9 +19,9 @@ from flexarm.named_effects import NamedEffect, Nuisance, Probability, Rejected, 
 from flexarm.report.sentences import remarks_beside, unpredicted_sentence
 
 if TYPE_CHECKING:
-    from flexarm.comparison.before_after import BeforeAfter
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.law_curve import LawCurve
+    from flexarm.report.before_after import BeforeAfter
 
 
 FORMAT = "flexarm-diagnosis/1"
@@ -132,10 +132,9 @@ class LawEntry(Entry):
     gap: LawGapsEntry
 
 
-class ReportFile(BaseModel):
+class ReportFile(Entry):
     """The whole file."""
 
-    model_config = ConfigDict(extra="forbid")
     format: Literal["flexarm-diagnosis/1"]
     verdict: Literal["effects", "adequate", "unexplained", "unusable"]
     effects: list[EffectEntry]

@@ -16,9 +16,9 @@ from flexarm.fit_statistics import PooledGap
 from flexarm.wording import listed, number, place_words, probability, scale, signed, with_unit
 
 if TYPE_CHECKING:
-    from flexarm.comparison.before_after import BeforeAfter
     from flexarm.diagnosis.result import Diagnosis, HeldOutGap
     from flexarm.named_effects import Alternative, NamedEffect
+    from flexarm.report.before_after import BeforeAfter
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
 
-from flexarm.arguments import NAMES, TEXT, takes
+from flexarm.arguments import AXES, NAMES, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.pooled_gap import pooled_gap
 from flexarm.fit_statistics import PooledGap
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class BeforeAfter:
@@ -43,3 +47,23 @@ class BeforeAfter:
     def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
         """Return totals of a signal (default: the main one) before and after, pooled over records."""
         return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)
+
+    @takes(ax=AXES, record=TEXT)
+    def plot(self, ax: Axes | None = None, record: str | None = None) -> Axes:
+        """Return the main signal's gap before and after along a record, and the noise (2 sigma) as a band.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw.
+        record : str, optional
+            Which one; default: the first held-out one, or the first of training.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such record, or nothing in it was compared.
+        """
+        from flexarm.report.gap_figures import plot
+
+        return plot(self, ax, record)
