@@ -1,6 +1,7 @@
 """An arm is what its file says, frozen, and writes itself back."""
 
 import pickle
+import pydoc
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from flexarm import Arm
+from flexarm import Arm, Frame, Sensor
 from flexarm.arm import Beam, General, Joint, Material, Payload, Rectangle, RigidLink, Round, Tube
 from flexarm.effects import CoulombFriction, JointCompliance
 from flexarm.errors import InvalidParameter
@@ -48,6 +49,22 @@ def test_an_arm_cannot_be_changed_in_place(model_file: Path) -> None:
     with pytest.raises(TypeError, match="frozen"):
         arm.uncertainty["payloads.load.mass"] = 0.1
     assert len({arm, Arm.from_toml(model_file)}) == 1
+
+
+@pytest.mark.parametrize("kind", [Arm, Sensor, Frame, JointCompliance])
+def test_help_and_completion_list_what_a_table_has_of_its_own(kind: type) -> None:
+    lines = pydoc.plain(pydoc.render_doc(kind)).splitlines()
+    assert [line for line in lines if "pydantic" in line] == [
+        " |      pydantic.main.BaseModel"
+    ]  # of the bases
+    assert {"replace", "to_plain"} <= set(dir(kind))
+    assert not {"model_dump", "parse_obj", "copy"} & set(dir(kind))
+
+
+def test_completion_of_an_arm_lists_its_tables(model_file: Path) -> None:
+    listed = dir(Arm.from_toml(model_file))
+    assert {"joints", "with_effect", "replace", "plot"} <= set(listed)
+    assert not [name for name in listed if name.startswith("model_")]
 
 
 def test_a_number_is_changed_by_its_key(model_file: Path) -> None:

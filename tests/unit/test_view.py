@@ -267,7 +267,9 @@ def reacher() -> Arm:
             hinge("pitch", "outer", "post", at="end", axis=[0, -1, 0]),
         ],
         links=[beam("post", [0, 0, 0.9], TUBE), beam("outer", [2.6, 0, 0], wide, up=[0, 0, 1])],
-        payloads=[{"name": "tool", "link": "outer", "position": [2.6, 0, 0], "mass": 8.0}],
+        payloads=[
+            {"name": "tool_changer_with_a_camera", "link": "outer", "position": [2.6, 0, 0], "mass": 8.0}
+        ],
         points=[point("tip", "outer", [2.6, 0, 0])],
     )
 
@@ -417,6 +419,24 @@ def test_a_page_draws_and_its_slider_moves_the_arm_without_network(tmp_path, run
     assert start.sum() > 500
     assert (start ^ later).sum() > 0.5 * start.sum()
     assert (start ^ again).sum() < 0.02 * start.sum()
+
+
+@needs_chromium
+def test_names_lie_inside_the_window(tmp_path):
+    """The tool is near the right edge; its name stands left of it there."""
+    reacher().view().save(tmp_path / "arm.html")
+    seen = {}
+
+    async def look(page):
+        seen["beyond"] = await page.run(
+            "[...document.querySelectorAll('.label')].filter(e => e.getBoundingClientRect().right >"
+            " window.innerWidth).map(e => e.textContent).join()"
+        )
+        seen["names"] = await page.run("document.querySelectorAll('.label').length")
+
+    visit(tmp_path / "arm.html", tmp_path / "profile", look)
+    assert seen["names"] > 3
+    assert seen["beyond"] == ""
 
 
 @needs_chromium

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Hashable
 from functools import cache
-from typing import Annotated, Any, Literal, NoReturn, Self, TypeVar, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn, Self, TypeVar, get_origin
 
 from annotated_types import Ge, Gt
 from pydantic import (
@@ -23,6 +23,11 @@ from flexarm.errors import InvalidParameter
 from flexarm.tables.check import parameter_error
 from flexarm.tables.field import documented, signature_of, unit_of
 from flexarm.tables.ranges import NEVER_ZERO_ALONE, out_of_range
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
 
 Key = TypeVar("Key", bound=Hashable)
 Value = TypeVar("Value")
@@ -108,7 +113,21 @@ def _measure(table: type[Table], name: str) -> tuple[str, bool]:
     return unit, unit in NEVER_ZERO_ALONE or Gt(0) in field.metadata or Ge(0) in field.metadata
 
 
-class Table(BaseModel):
+class _Listed(ModelMetaclass):
+    """Classes of tables, of which `dir` and so `help` and completion list what a table has of its own."""
+
+    def __dir__(cls) -> list[str]:
+        return [name for name in super().__dir__() if not _is_pydantics(cls, name)]
+
+
+def _is_pydantics(kind: type, name: str) -> bool:
+    """Return True for a name that pydantic gives a class."""
+    given = "__pydantic", "__private_attributes__", "__class_vars__", "__signature__", "model_config"
+    owner = next((each for each in kind.__mro__ if name in vars(each)), None)
+    return owner is BaseModel or name.startswith(given)
+
+
+class Table(BaseModel, metaclass=_Listed):
     """A frozen table. Made wrongly in Python, it raises `InvalidParameter`.
 
     Every number must lie in the range of its unit, `flexarm.tables.ranges`.
@@ -132,7 +151,11 @@ class Table(BaseModel):
                 raise ValueError(wrong)
         return value
 
+    def __dir__(self) -> list[str]:
+        return [name for name in super().__dir__() if not _is_pydantics(type(self), name)]
+
     def __init__(self, *unnamed: Any, **values: Any) -> None:
+        """Check the values, each given by its name."""
         if unnamed:
             fields = ", ".join(f"{name}=" for name in type(self).model_fields)
             raise InvalidParameter(
@@ -144,6 +167,7 @@ class Table(BaseModel):
             raise parameter_error(type(self), error, values) from None
 
     def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse to change a field."""
         if name in type(self).model_fields:
             kind = type(self).__name__
             raise InvalidParameter(f"{kind} is frozen; replace({name}=...) makes a changed copy", where=name)

@@ -142,7 +142,7 @@
     return { ...data, element };
   });
 
-  // Labels of one place stand below one another.
+  // Labels of one place stand below one another, left of it where the window ends.
   function write() {
     const w = window.innerWidth, h = window.innerHeight, taken = [];
     viewer.scene.updateMatrixWorld();
@@ -154,7 +154,8 @@
       const shown = byId("show-labels").checked && !hidden.has(label.layer) && corner.z < 1;
       label.element.style.display = shown && Number.isFinite(corner.x) ? "" : "none";
       if (!shown) continue;
-      const x = (0.5 + 0.5 * corner.x) * w + 12;
+      const place = (0.5 + 0.5 * corner.x) * w, wide = label.element.offsetWidth;
+      const x = place < w && place + 12 + wide > w ? place - 12 - wide : place + 12;
       let y = (0.5 - 0.5 * corner.y) * h - 9;
       while (taken.some((at) => Math.abs(at[0] - x) < 90 && Math.abs(at[1] - y) < 18)) y += 18;
       taken.push([x, y]);
