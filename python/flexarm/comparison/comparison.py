@@ -155,9 +155,9 @@ class Comparison(Shown):
             raise InvalidParameter(missing("compared signal", signal, self.signals), where="signal")
         axes = plt.subplots()[1] if ax is None else ax
         gap = self.signals[signal] if signal is not None else next(iter(self.evidence.values()))
-        parts = {name: part for name, part in gap.parts.items() if part is not None}
-        for name, part in parts.items():
-            axes.plot(gap.time, part, lw=0.8, label=name)
+        parts = [name for name, part in gap.parts.items() if part is not None]
+        for name in parts:
+            axes.plot(*gap.line(name), lw=0.8, label=name)
         if gap.noise_rms:
             sigma = gap.noise_rms / np.sqrt(max(len(parts), 1))
             axes.axhspan(-2 * sigma, 2 * sigma, color="0.85", zorder=0, label="noise, 2 sigma")

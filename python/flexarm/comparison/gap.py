@@ -51,6 +51,19 @@ class SignalGap:
     gross: tuple[int, ...] = ()
     """Other rows that are outliers and count in nothing, from 0."""
 
+    def line(self, direction: str) -> tuple[Floats, Floats]:
+        """Return instants and residual along a direction as a line that breaks (NaN) where rows are left out.
+
+        Of poses, and where less than five usual intervals are missing, these are `time` and the part.
+        """
+        part = self.parts[direction]
+        assert part is not None
+        between = np.diff(self.time)
+        if not self.bands or not len(between):
+            return self.time, part
+        missing = np.flatnonzero(between > 5 * np.median(between)) + 1
+        return np.insert(self.time, missing, np.nan), np.insert(part, missing, np.nan)
+
     def to_json_dict(self) -> dict[str, Any]:
         """Return the signal's object of `compare --json`."""
         return {

@@ -18,7 +18,7 @@ from flexarm.comparison.comparison import frame_words
 from flexarm.json_values import plain
 from flexarm.named_effects import Estimate
 from flexarm.netcdf import save
-from flexarm.output import PAGE, write_file
+from flexarm.output import PAGE, stems, write_file
 from flexarm.report.diagnosis import gap_lines, wrapped
 from flexarm.report.files import WIDTH, Drawing, drawn, filled, log_if_wide, margin_for, sheet, write_files
 from flexarm.report.gap_figures import AFTER, gaps_along
@@ -71,8 +71,9 @@ def _figures(found: Calibration) -> Iterator[tuple[str, str, str, Figure | None]
         "Members with 90 % intervals; the line is the shared size, the band its 90 % interval. Grey: the "
         "data hardly know the member, which stays near the others."
     )
-    for family in found.families:
-        yield f"{family.effect}-{family.parameter}", "families", what, members(found, family)
+    names = stems([f"{family.effect}-{family.parameter}" for family in found.families])
+    for name, family in zip(names, found.families, strict=True):
+        yield name, "families", what, members(found, family)
     yield from gaps_along(found, "gap")
     what = "Correlations of the parameters that the data determine, in the order of the table."
     yield "correlations", "correlations", what, correlations(found)

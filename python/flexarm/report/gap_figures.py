@@ -120,8 +120,8 @@ def draw(ax: Axes, gaps: Mapping[str, SignalGap], direction: str, factor: float)
             continue
         if count > many:
             look["marker"] = "none"
-        since = gap.time - zero_of(gap.time)
-        ax.plot(since, factor * part, lw=0.7, rasterized=count > 5 * many, **look)
+        time, line = gap.line(direction)
+        ax.plot(time - zero_of(gap.time), factor * line, lw=0.7, rasterized=count > 5 * many, **look)
 
 
 TRAINING, HELD_OUT = "#CC79A7", "#009E73"

@@ -100,6 +100,11 @@ def value_words(effect: PlannedEffect) -> str:
     return f"{effect.parameter} = {with_unit(effect.value, effect.unit)}"
 
 
+def _evidence(log_bayes_factor: float) -> str:
+    """Return ln B; below a thousandth it is rounding."""
+    return number(0.0 if abs(log_bayes_factor) < 1e-3 else log_bayes_factor)
+
+
 def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
     for i, each in enumerate(plan.effects):
         rivals = [place_words(*plan.effects[j].place) for j in plan.rivals(i)] if each.seen else []
@@ -109,7 +114,7 @@ def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
             "what": effect_law(each.name),
             "least": least_words(each),
             "value": value_words(each),
-            "evidence": number(each.log_bayes_factor),
+            "evidence": _evidence(each.log_bayes_factor),
             "seen": each.seen,
             "hidden": each.hidden,
             "rivals": rivals,
@@ -292,7 +297,7 @@ def _effect_lines(plan: Plan) -> list[str]:
                 place_words(*each.place),
                 least_words(each),
                 value_words(each),
-                number(each.log_bayes_factor),
+                _evidence(each.log_bayes_factor),
                 shown if each.seen else each.hidden,
             )
         )

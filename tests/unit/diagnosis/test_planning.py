@@ -14,6 +14,7 @@ from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.design.experiment import NOISE, from_drive, from_record
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.record import Clock, Frame
+from flexarm.report.plan import _evidence
 
 JOINT, LINK, LOAD = ("joint_compliance", "hinge"), ("link_stiffness", "rod"), ("payload_mass", "load")
 SOFT = (JOINT, LINK, LOAD)
@@ -189,3 +190,7 @@ def test_why_the_friction_of_a_rigid_joint_is_not_seen_is_said():
     assert blind.hidden.startswith("hinge is rigid in the model")
     assert blind.hidden in str(found["blind"])
     assert found["logged"].effect("viscous_friction", "hinge").hidden == ""
+
+
+def test_evidence_of_rounding_is_none():
+    assert [_evidence(each) for each in (5e-21, 0.25, 18225.0, np.nan)] == ["0", "0.250", "18225", "–"]

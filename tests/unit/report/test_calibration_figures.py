@@ -5,7 +5,7 @@ from types import SimpleNamespace
 from pytest import approx
 
 from flexarm.calibration.estimates import CalibratedFamily, CalibratedParameter, Range
-from flexarm.report.calibration import members
+from flexarm.report.calibration import _figures, members
 
 
 def test_a_value_outside_its_interval_is_drawn_where_it_is():
@@ -17,3 +17,16 @@ def test_a_value_outside_its_interval_is_drawn_where_it_is():
     interval, value = figure.axes[0].lines
     assert list(interval.get_xdata()) == approx([120, 150])  # kN m/rad
     assert list(value.get_xdata()) == approx([100])
+
+
+def test_families_of_turning_and_sliding_joints_have_figures_of_their_own(monkeypatch):
+    """One effect and parameter, in N m/rad and in N/m: the second file replaced the first."""
+    monkeypatch.setattr("flexarm.report.calibration.gaps_along", lambda found, section: iter(()))
+    monkeypatch.setattr("flexarm.report.calibration.correlations", lambda found: None)
+    monkeypatch.setattr("flexarm.report.calibration.members", lambda found, family: None)
+    families = [
+        CalibratedFamily("joint_compliance", "stiffness", unit, (at,), None, 1.0)
+        for unit, at in (("N m/rad", "lift"), ("N/m", "extension"))
+    ]
+    names = [name for name, *_ in _figures(SimpleNamespace(families=families))]  # type: ignore[arg-type]
+    assert names[:2] == ["joint_compliance-stiffness", "joint_compliance-stiffness-2"]
