@@ -14,7 +14,7 @@ from flexarm.comparison.align import align as align_to
 from flexarm.comparison.alignment_parameters import drive_clock, is_unknown_clock, stated_placement
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.initial_guess import initial_guess
-from flexarm.comparison.poses import is_input, pose_numbers, solve_poses
+from flexarm.comparison.poses import pair_poses, solve_poses
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
 from flexarm.drive.from_record import true_time
@@ -76,27 +76,18 @@ def simulate_record(
         what = "is a frequency response, which no simulation repeats; flexarm.compare_responses takes it"
         raise InvalidParameter(what, where="kind")
     record = record.with_units_of(arm)
-    pair = _simulated(record.applied_to(arm), record, simulation, step, alpha)
+    carried = record.applied_to(arm)
+    if record.kind == "static":
+        pair = pair_poses(solve_poses(carried, record) if simulation is None else simulation, record, carried)
+    else:
+        run = _simulate(carried, record, step, alpha) if simulation is None else simulation
+        pair = pair_record(run, record, arm=carried)
     if not pair.evidence:
         reasons = "; ".join(f"{name}: {why}" for name, why in pair.skipped.items())
         what = f"holds nothing to compare with a simulation ({reasons or 'only drives'})"
         raise InvalidParameter(what, where="signals")
     start = stated_placement(record)
     return AlignedRecord(pair, align_to(pair, initial_guess(pair, start)) if align else Alignment(start))
-
-
-def _simulated(arm: Arm, record: Record, simulation: Any, step: float, alpha: float) -> SimulatedRecord:
-    """Return the record with its simulation."""
-    if record.kind == "static":
-        inputs = {
-            name: "is an input of the poses"
-            for name, signal in record.signals.items()
-            if is_input(record, signal)
-        }
-        return pair_record(simulation or solve_poses(arm, record), record, pose_numbers(record), inputs, arm)
-    return pair_record(
-        _simulate(arm, record, step, alpha) if simulation is None else simulation, record, arm=arm
-    )
 
 
 def _simulate(arm: Arm, record: Record, step: float, alpha: float) -> Any:

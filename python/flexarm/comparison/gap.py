@@ -101,6 +101,7 @@ def signal_gap(
     keep = np.isfinite(residual).all(axis=1) & ~out & ~left
     instants, residual = instants[keep], residual[keep]
     parts = _parts(simulated, signal, placement, joint, instants, residual)
+    measures = {**parts, "total": np.linalg.norm(residual, axis=1)}
     bands: list[Band] = []
     if simulated.record.kind == "motion":
         bands = band_split(instants, residual, band_edges(instants, modes_hz, edges))
@@ -110,14 +111,8 @@ def signal_gap(
         "rad" if signal.quantity == "orientation" else signal.unit,
         instants,
         parts,
-        {
-            **{name: _rms(part) for name, part in parts.items()},
-            "total": _rms(np.linalg.norm(residual, axis=1)),
-        },
-        {
-            **{name: _max(part) for name, part in parts.items()},
-            "total": _max(np.linalg.norm(residual, axis=1)),
-        },
+        {name: _rms(part) for name, part in measures.items()},
+        {name: _max(part) for name, part in measures.items()},
         tuple(bands),
         _noise(simulated, signal, placement) if signal.noise_std is not None else None,
         signal.name in simulated.record.drive,

@@ -18,6 +18,7 @@ from flexarm.arm.parameter import Parameter, neighbours, parameters
 from flexarm.arm.sensor_effect import SignalEffect
 from flexarm.arrays import Floats
 from flexarm.comparison.pose_sequence import SEEN, PoseSequence, sequence, slopes_of
+from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
@@ -178,8 +179,6 @@ def with_turned(record: Record, joint: str, angles: Floats) -> Record:
     """Return a record whose poses turn the motor of a joint further, by `angles` of shape (poses,) [rad]."""
     drives = [record.signals[name] for name in record.drive if record.signals[name].joint == joint]
     if not drives:  # it stands where the record says
-        from flexarm.record import Signal
-
         name = joint
         while name in record.signals:
             name += "_"
@@ -194,6 +193,12 @@ def with_turned(record: Record, joint: str, angles: Floats) -> Record:
         for each in drives
     }
     return record.replace(signals={**record.signals, **turned})
+
+
+def pair_poses(run: PoseSequence, record: Record, arm: Arm) -> SimulatedRecord:
+    """Pair a static record with the equilibria of its poses; inputs of the poses are not compared."""
+    inputs = {name: "is an input of the poses" for name, s in record.signals.items() if is_input(record, s)}
+    return pair_record(run, record, pose_numbers(record), inputs, arm)
 
 
 def pose_numbers(record: Record) -> dict[str, Floats]:

@@ -47,9 +47,11 @@ def step_note(moved: float, noise: float, step: float) -> str:
     fine = 0.5  # change of a prediction over its noise, where the step is halved, from which on it is told
     if not 0 < fine * noise < moved < np.inf:
         return ""
+    enough = step * sqrt(fine * noise / moved)  # eq. (1)
+    digit = 10.0 ** (floor(log10(enough)) - 1)
     return (
         f"half the time step of {1e3 * step:.3g} ms moves the prediction by {moved / noise:.2g} times the "
-        f"noise; take a step of {1e3 * _rounded(step * sqrt(fine * noise / moved)):.3g} ms or less (--step)"
+        f"noise; take a step of {1e3 * floor(enough / digit) * digit:.3g} ms or less (--step)"
     )
 
 
@@ -59,9 +61,3 @@ def change(pair: AlignedRecord, other: AlignedRecord, signal: Signal) -> float:
     there = other.simulated.residual(signal, placement) - pair.simulated.residual(signal, placement)
     squares = np.sum(there**2, axis=1)
     return float(np.sqrt(np.nanmean(squares))) if np.isfinite(squares).any() else 0.0
-
-
-def _rounded(value: float) -> float:
-    """Return a value rounded down to two digits."""
-    digit = 10.0 ** (floor(log10(value)) - 1)
-    return floor(value / digit) * digit

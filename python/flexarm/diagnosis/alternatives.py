@@ -291,9 +291,8 @@ def _refined_model(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_ga
     fit = about.fit(fit.members, nearby=fit) if open_gap else about.linearised(fit.members)
     behind = log_bayes_factor(best, fit, problem)
     for _ in range(0 if open_gap else FIT.converging_steps):
-        if predicted_decrease(fit) / 2 < max(
-            FIT.least_gain, behind - policy.within_sight
-        ):  # no step would bring it near
+        needed = max(FIT.least_gain, behind - policy.within_sight)
+        if predicted_decrease(fit) / 2 < needed:  # no step would bring it near
             break
         try:
             fit, about = refinement_step(fit, about, anew=False)

@@ -183,12 +183,6 @@ def nulls(effect: Effect, without: Effect | None, arm: Arm) -> dict[str, float]:
     return effect.null(arm) if without is None else {name: without.value_of(name) for name in names}
 
 
-def value_of(effect: Effect | None, key: str) -> float:
-    """Return a parameter, named as `Effect.parameters` spells it."""
-    assert effect is not None
-    return effect.value_of(key)
-
-
 BOUNDS = {"log": 8.0, "linear": 400.0, "uniform": 40.0}
 """Bounds of a parameter in sigmas of its prior, by the prior's scale: factors of thousands, or turns."""
 
@@ -265,11 +259,9 @@ class TransformedParameter:
     def bound(self) -> float:
         """Greatest size of z in a fit."""
         bound = BOUNDS[self.prior.scale]
-        return (
-            max(bound, log(FIT.least_factor) / min(self._pieces()[1:]))
-            if self.prior.scale == "log"
-            else bound
-        )
+        if self.prior.scale != "log":
+            return bound
+        return max(bound, log(FIT.least_factor) / min(self._pieces()[1:]))
 
 
 def transformed_parameters(members: Sequence[Candidate], arm: Arm) -> tuple[TransformedParameter, ...]:

@@ -177,13 +177,9 @@ def discrepancies_of(
 
 def evidence_of(fit: Fit, problem: Problem) -> Evidence:
     """Return eq. (1) of a fit; computed once for each state of the noise."""
-    kept = problem.evidence.get(fit)
-    if kept is None or kept[0] is not problem.rows:
-        kept = problem.evidence[fit] = (problem.rows, _evidence_of(fit, problem))
-    return kept[1]
-
-
-def _evidence_of(fit: Fit, problem: Problem) -> Evidence:
+    kept: tuple[object, Evidence] | None = problem.evidence.get(fit)
+    if kept is not None and kept[0] is problem.rows:
+        return kept[1]
     n, k = len(problem), len(fit.z)
     discrepancies = discrepancies_of(fit.projected[:n], problem, fit.non_smooth)
     jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
@@ -198,13 +194,15 @@ def _evidence_of(fit: Fit, problem: Problem) -> Evidence:
     pulls = fit.projected[n:] + step[k:] / fit.projection.sigma
     white = by_channel(lambda each, rows: each.whitened(rows), left, problem, discrepancies)
     determinant = sum(each.log_determinant - 2 * each.log_prior for each in discrepancies)
-    return Evidence(
+    found = Evidence(
         discrepancies,
         left,
         -(float(white @ white) + determinant) / 2,
         float(pulls @ pulls) / 2,
         occam(fit, weighed[:, :-1], fit.z + step[:k]),
     )
+    problem.evidence[fit] = (problem.rows, found)
+    return found
 
 
 def explained_share(fit: Fit, fewer: Fit, problem: Problem) -> float:

@@ -53,7 +53,7 @@ def evidence_sentence(
             f"{they}, by {without} without"
         )
     if Criteria(problem, choice.null).in_conflict(best):
-        worst = "".join(_conflict_clause(best, problem.policy.pull))
+        worst = _conflict_clause(best, problem.policy.pull)
         text += f"; even with it {worst}, so that something else may be missing"
     for name, value, unit in best.members[k].held():
         text += f"; its {name} is {number(value)}{'' if unit == '-' else f' {unit}'}"
@@ -79,7 +79,7 @@ def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
     if k:
         others = listed(members[:k] + members[k + 1 :])
         return f"beside {others} the data ask for {members[k]} too {gained}"
-    spared = "".join(_conflict_clause(choice.null, UNUSUAL))
+    spared = _conflict_clause(choice.null, UNUSUAL)
     if spared and after >= SHRUNK * before:
         return (
             f"with clocks, frames and nominal values fitted along the largest gap above the noise is "
@@ -109,15 +109,14 @@ def _factor(log_bayes: float) -> str:
     return f"{log_bayes:.1f}" if abs(log_bayes) < 10 else f"{log_bayes:.0f}"
 
 
-def _conflict_clause(fit: Fit, beyond: float) -> Iterator[str]:
-    """Yield the largest pull of a nuisance parameter, if it is beyond so many sigmas."""
-    if not len(fit.nuisance.parameters):
-        return
+def _conflict_clause(fit: Fit, beyond: float) -> str:
+    """Return a clause on the largest pull of a nuisance parameter; empty within `beyond` sigmas."""
     pulls = np.abs(fit.projection.solve(fit.residual)) / fit.nuisance.sigma
+    if not pulls.max(initial=0.0) > beyond:
+        return ""
     worst = int(np.argmax(pulls))
-    unknown = fit.nuisance.parameters[worst]
-    if pulls[worst] > beyond:
-        yield f"the {unknown.words} would be off by {number(pulls[worst], 2)} times its stated sigma"
+    words, times = fit.nuisance.parameters[worst].words, number(pulls[worst], 2)
+    return f"the {words} would be off by {times} times its stated sigma"
 
 
 def _known_places(fit: Fit, member: Candidate, strong: float) -> Iterator[str]:

@@ -16,6 +16,7 @@ from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -164,10 +165,8 @@ class Problem:
     def with_drives(self, records: Mapping[str, Record]) -> Problem:
         """Return the same rows against simulations along the drives of other records."""
         found = self.fresh()
-        found.records, found.simulations = (
-            records,
-            SimulationCache(records, self.step, self.alpha),
-        )
+        found.records = records
+        found.simulations = SimulationCache(records, self.step, self.alpha)
         return found
 
     def with_noise(self, times: Floats) -> Problem:
@@ -294,16 +293,8 @@ def extrapolated(coarse: Floats, fine: Floats) -> Floats:
     return found
 
 
-def _key(arm: Arm) -> tuple[Any, ...]:
-    """Return what residuals depend on."""
-    parts = (
-        arm.gravity,
-        arm.joints,
-        arm.gears,
-        arm.closures,
-        arm.links,
-        arm.payloads,
-        arm.points,
-        arm.motors,
-    )
-    return (*parts, arm.controllers, arm.effects)
+_key = attrgetter(
+    *("gravity", "joints", "gears", "closures", "links", "payloads", "points", "motors", "controllers"),
+    "effects",
+)
+"""Return the parts of a model that residuals depend on."""

@@ -84,32 +84,21 @@ def evidence_rows(name: str, pair: SimulatedRecord, placement: Placement, start:
 
     Raise InvalidParameter if the noise of poses is neither stated nor shown.
     """
+    poses = pair.record.kind == "static"
+    drives = [pair.record.signals[drive] for drive in pair.record.drive]
+    last = np.inf if poses else min((float(drive.time[-1]) for drive in drives), default=np.inf)
     for signal in pair.evidence.values():
-        for each in _channels(name, pair, placement, signal, start):
-            yield each
-            start = each.where.stop
-
-
-def _channels(
-    name: str, pair: SimulatedRecord, placement: Placement, signal: Signal, start: int
-) -> Iterator[Rows]:
-    residual = pair.residual(signal, placement, hold=True)
-    noise = pair.noise(signal)
-    if pair.record.kind == "static" and not noise.all():
-        noise = np.where(noise > 0, noise, noise_of_poses(name, signal, residual))
-    instants = pair.instants(signal, placement)
-    known = pair.record.drive if pair.record.kind != "static" else ()
-    last = min((float(pair.record.signals[drive].time[-1]) for drive in known), default=np.inf)
-    driven = instants <= last + 1e-9
-    for channel in range(residual.shape[1]):
-        kept = np.isfinite(residual[:, channel]) & driven
-        count = int(kept.sum())
-        if count == 0:
-            continue
-        sigma = float(noise[channel]) or shown_noise(residual[kept, channel])
-        if sigma > 0:
-            yield Rows(name, signal.name, channel, slice(start, start + count), kept, sigma, instants[kept])
-            start += count
+        residual, noise = pair.residual(signal, placement, hold=True), pair.noise(signal)
+        if poses and not noise.all():
+            noise = np.where(noise > 0, noise, noise_of_poses(name, signal, residual))
+        instants = pair.instants(signal, placement)
+        for channel in range(residual.shape[1]):
+            kept = np.isfinite(residual[:, channel]) & (instants <= last + 1e-9)
+            sigma = float(noise[channel]) or shown_noise(residual[kept, channel])
+            if kept.any() and sigma > 0:
+                where = slice(start, start + int(kept.sum()))
+                yield Rows(name, signal.name, channel, where, kept, sigma, instants[kept])
+                start = where.stop
 
 
 def rows_left(rows: Iterable[Rows], out: NDArray[np.bool_]) -> Iterator[Rows]:
@@ -231,7 +220,9 @@ def _only_seen(problem: Problem, key: str) -> bool:
 
 
 def _point_slope(problem: Problem, arm: Arm, key: str) -> Floats:
-    """Return derivative by the place of a point in its link."""
+    """Return the derivative with respect to the place of a point in its link."""
+    from scipy.spatial.transform import Rotation
+
     _, point, _, axis = key.split(".")
     found = np.zeros(len(problem))
     for name, record in problem.records.items():
@@ -240,17 +231,10 @@ def _point_slope(problem: Problem, arm: Arm, key: str) -> Floats:
         run = pair.simulation
         i = run.points.index(point)
         move = np.zeros_like(run.position)
-        move[:, i] = _turned(run.orientation[:, i], "xyz".index(axis))  # eq. (3)
+        sections = Rotation.from_quat(run.orientation[:, i]).as_matrix()
+        move[:, i] = sections[:, :, "xyz".index(axis)]  # eq. (3)
         shifted = replace(run, position=run.position + FIT.point_step * move)
         after = problem.residual(arm).copy()
         problem.write_residual(after, name, replace(pair, simulation=shifted), rows)
         found += (after - problem.residual(arm)) / FIT.point_step  # positions are linear in the shift
-    return found
-
-
-def _turned(quaternion: Floats, axis: int) -> Floats:
-    """Return an axis of the section in base axes, shape (n, 3)."""
-    from scipy.spatial.transform import Rotation
-
-    found: Floats = Rotation.from_quat(quaternion).as_matrix()[:, :, axis]
     return found

@@ -24,7 +24,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.budget import allows, until
-from flexarm.diagnosis.candidate import Candidate, value_of
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import KEPT_RESIDUALS
@@ -116,8 +116,7 @@ def linear_response(candidate: Candidate, keys: Sequence[str], jacobian: Floats)
     if not set(own) <= set(keys):
         return None
     steps = [
-        [value_of(probe, name) - candidate.null[name] for probe in candidate.probes]
-        for name in candidate.free
+        [probe.value_of(name) - candidate.null[name] for probe in candidate.probes] for name in candidate.free
     ]
     moves: Floats = jacobian[:, [keys.index(key) for key in own]] @ np.array(steps)
     return moves

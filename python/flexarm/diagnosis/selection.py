@@ -60,7 +60,8 @@ def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Crite
             found.setdefault(tuple(member.name for member in fit.members) if at_pins else id(fit), fit)
         close = list(found.values())[:2]
     else:
-        close = [f for f in others[:2] if _close(f, first, criteria)]
+        reach = criteria.policy.close
+        close = [f for f in others[:2] if log_bayes_factor(first, f, problem) < reach]
     there = dict(relinearised(fit, estimator) for fit in (first, *close))
     if not criteria.leaves_gap(first):
         there |= dict(_in_steps(fit, estimator) for fit in _unsettled(others, first, criteria))
@@ -105,11 +106,6 @@ def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
     return fit, estimator
 
 
-def _close(fit: Fit, first: Fit, criteria: Criteria) -> bool:
-    """Return True if a fit may be as good as the first once it is relinearised."""
-    return log_bayes_factor(first, fit, criteria.problem) < criteria.policy.close
-
-
 Note = Callable[[str, float], object]
 SEARCHED, WEIGHED = 0.75, 0.9
 """Parts of a budget of time at which the search for effects, and the fits of their alternatives, end."""
@@ -136,8 +132,7 @@ class Choice:
     @property
     def gain(self) -> float:
         """Return ln Z of the chosen model over the nominal one."""
-        problem = self.estimator.problem
-        return log_bayes_factor(self.best, self.null, problem)
+        return log_bayes_factor(self.best, self.null, self.estimator.problem)
 
 
 def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = None) -> Choice:

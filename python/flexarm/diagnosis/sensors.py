@@ -46,6 +46,7 @@ from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.effects.sensor_offset import SensorOffset
 from flexarm.measurement.effects_of import effects_of
+from flexarm.measurement.encoder import quantised
 from flexarm.named_effects import Estimate, NamedEffect
 from flexarm.record import Record
 from flexarm.record.quantisation_grid import quantisation_step
@@ -158,9 +159,8 @@ def _rounded_again(record: Record, arm: Arm, effect: EncoderQuantisation, rng: n
     """Return a record whose encoder reads (1)."""
     signal = record.signals[effect.at]
     noise = float(effects_of(arm, signal).noise(signal.noise_std or 0.0)[0])
-    f = smoothed(signal, noise)
     u = effect.step * rng.uniform()
-    values = effect.step * np.round((f + u) / effect.step) - u  # eq. (1)
+    values = quantised(smoothed(signal, noise) + u, effect.step) - u  # eq. (1)
     values[~np.isfinite(signal.values[:, 0])] = np.nan
     rounded = {**record.signals, effect.at: signal.replace(values=values[:, None])}
     return record.replace(signals=list(rounded.values()))

@@ -15,7 +15,7 @@ from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, end_of_simulation, require_known_drive
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
-from flexarm.comparison.poses import FORCES, is_input, pose_numbers, solve_poses, with_turned
+from flexarm.comparison.poses import FORCES, pair_poses, solve_poses, with_turned
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive, JointDrive
 from flexarm.drive.lead_in import jerked
@@ -78,7 +78,8 @@ class SimulationCache:
         for arm in arms:
             with suppress(InvalidParameter):
                 carried = record.applied_to(arm)
-                kind = _structure(arm), _driving(record, carried)
+                equations = frozenset((e.name, e.at) for e in arm.effects if e.place in ("joint", "base"))
+                kind = equations, _driving(record, carried)
                 alike.setdefault(kind, {}).setdefault(self._key(name, carried), []).append((arm, carried))
         found = []
         for runs in (list(each.values()) for each in alike.values()):
@@ -132,14 +133,19 @@ class SimulationCache:
             self._pairs[name] = replace(pair_record(run, self.records[name]), simulation=None)
         return replace(self._pairs[name], simulation=run, arm=arm)
 
-    def _key(self, name: str, carried: Arm) -> tuple[Any, ...]:
-        return (name, *_mechanics(self.records[name], carried))
+    def _key(self, name: str, arm: Arm) -> tuple[Any, ...]:
+        """Return what a run depends on: everything but effects on sensors that do not drive."""
+        record = self.records[name]
+        moving = tuple(e for e in arm.effects if not isinstance(e, SignalEffect | ClockEffect | FrameEffect))
+        loop = (arm.motors, arm.controllers, _read_by_controllers(record, arm))
+        parts = (arm.gravity, arm.joints, arm.gears, arm.closures, arm.links, arm.payloads, arm.points)
+        return (name, *parts, moving, _driving(record, arm), loop)
 
     def _made(self, name: str, arm: Arm, rotations: bool) -> SimulatedRecord:
         """Return a run."""
         record = self.records[name]
         if record.kind == "static":
-            return _of_poses(record, record, arm)
+            return pair_poses(solve_poses(arm, record), record, arm)
         if rings_freely(record):
             return self._paired(simulate_free_vibration(arm, record, self.step), name, arm)
         return self._paired(self._along(self.drive(name, arm), name, arm, rotations), name, arm)
@@ -162,8 +168,9 @@ class SimulationCache:
     def turned(self, name: str, arm: Arm, joint: str, angles: Floats) -> SimulatedRecord:
         """Return poses of a record with a joint's motor turned further in each, by `angles` [rad]."""
         record = self.records[name]
+        carried = record.applied_to(arm)
         self.made += 1
-        return _of_poses(record, with_turned(record, joint, angles), record.applied_to(arm))
+        return pair_poses(solve_poses(carried, with_turned(record, joint, angles)), record, carried)
 
     def differentiated(self, name: str, arm: Arm, changes: Sequence[Drive]) -> SimulatedRecord:
         """Return the simulation of a record with its derivatives with respect to changes of its drives.
@@ -211,25 +218,6 @@ class SimulationCache:
             require_known_drive(record)
             self._drives[key] = Drive.from_record(record, arm)
         return self._drives[key]
-
-
-def _of_poses(record: Record, there: Record, arm: Arm) -> SimulatedRecord:
-    """Return the equilibria of poses `there`, paired with a record of the same rows."""
-    inputs = {name: "is an input of the poses" for name, s in record.signals.items() if is_input(record, s)}
-    return pair_record(solve_poses(arm, there), record, pose_numbers(record), inputs, arm)
-
-
-def _mechanics(record: Record, arm: Arm) -> tuple[Any, ...]:
-    """Return what a run depends on: everything but effects on sensors that do not drive."""
-    moving = tuple(e for e in arm.effects if not isinstance(e, SignalEffect | ClockEffect | FrameEffect))
-    loop = (arm.motors, arm.controllers, _read_by_controllers(record, arm))
-    parts = (arm.gravity, arm.joints, arm.gears, arm.closures, arm.links, arm.payloads, arm.points)
-    return (*parts, moving, _driving(record, arm), loop)
-
-
-def _structure(arm: Arm) -> frozenset[tuple[str, str]]:
-    """Return the effects that give a model other equations: runs side by side have the same ones."""
-    return frozenset((e.name, e.at) for e in arm.effects if e.place in ("joint", "base"))
 
 
 def _driving(record: Record, arm: Arm) -> tuple[Any, ...]:

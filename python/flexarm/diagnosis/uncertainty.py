@@ -194,7 +194,11 @@ def restore_unidentifiable(
 
     `gaps` returns the gap of a model by training record.
     """
-    open_ones = [each for each in refined if _is_open(each, arm)]
+    open_ones = []
+    for each in refined:
+        idle_zero = is_zero(each.parameter) and abs(each.value - each.nominal) < each.std
+        if idle_zero or not Refinement(each, stated_sigma(arm, each.parameter)).determined:
+            open_ones.append(each)
     if updated is arm or not open_ones:
         return updated, refined
     back = updated
@@ -203,12 +207,6 @@ def restore_unidentifiable(
     if _grows(gaps(updated), gaps(back)):
         return updated, refined
     return back, tuple(replace(each, value=each.nominal) if each in open_ones else each for each in refined)
-
-
-def _is_open(refined: Refined, arm: Arm) -> bool:
-    """Return True if the data leave a value open, or a zero of a sensor where it was."""
-    idle = is_zero(refined.parameter) and abs(refined.value - refined.nominal) < refined.std
-    return idle or not Refinement(refined, stated_sigma(arm, refined.parameter)).determined
 
 
 def _grows(before: Mapping[str, Comparison], after: Mapping[str, Comparison]) -> bool:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from math import log10
 
 import numpy as np
@@ -27,44 +26,33 @@ from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
 from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.errors import InvalidParameter
-from flexarm.named_effects import Estimate, Refined, Stage, place_text
+from flexarm.named_effects import Refined, Stage, place_text
 from flexarm.record import Record
 from flexarm.residual_analysis.localisation import Localisation, localise
 from flexarm.residual_analysis.noise_floor import noise_floor
 from flexarm.residual_analysis.unexplained import describe_free_decays, free_decays, unexplained_residual
 from flexarm.threads import at_once
 
-Rounding = Callable[[float, float], float]
-"""Rounding of a value, given its standard deviation."""
-
 
 def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
-    """Return the nominal model with refined values and the effects of a fit."""
+    """Return the nominal model with refined values and the effects of a fit.
+
+    Values are rounded, but where a rounded one would be beyond the limit of what is allowed.
+    """
     for refined in filter(moved, sizes.refined):
-        arm = _written(partial(_refined, arm, refined))
+        try:
+            arm = with_value(arm, refined.parameter, rounded_to_std(refined.value, refined.std))
+        except InvalidParameter:
+            arm = with_value(arm, refined.parameter, refined.value)
     found = dict(zip(fit.places, sizes.effects, strict=True))
     for member in springs_first(fit.members):
-        arm = _written(partial(_added, arm, member, found[member.place]))
+        values = {each.name: each.value for each in found[member.place]}
+        rounded = {each.name: rounded_to_std(each.value, each.std) for each in found[member.place]}
+        try:
+            arm = member.with_parameters(rounded).enter(arm)
+        except InvalidParameter:
+            arm = member.with_parameters(values).enter(arm)
     return arm
-
-
-def _written(change: Callable[[Rounding], Arm]) -> Arm:
-    """Return a model with its new values rounded, or as they are where one is so near a limit of what is
-    allowed.
-    """
-    try:
-        return change(rounded_to_std)
-    except InvalidParameter:
-        return change(lambda value, _: value)
-
-
-def _refined(arm: Arm, refined: Refined, rounding: Rounding) -> Arm:
-    return with_value(arm, refined.parameter, rounding(refined.value, refined.std))
-
-
-def _added(arm: Arm, member: Candidate, values: Sequence[Estimate], rounding: Rounding) -> Arm:
-    sized = {each.name: rounding(each.value, each.std) for each in values}
-    return member.with_parameters(sized).enter(arm)
 
 
 def moved(refined: Refined) -> bool:

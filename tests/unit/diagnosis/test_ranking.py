@@ -127,7 +127,7 @@ def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
     monkeypatch.setattr(Criteria, "conflict", lambda self, fit: strained.get(fit.name, 0.0))
     monkeypatch.setattr(selection, "refined_while_better", lambda fit, about: (fit, about))
     monkeypatch.setattr(selection, "_ranked", lambda fits, *_: sorted(fits, key=lambda f: f.cost))
-    monkeypatch.setattr(selection, "_close", lambda *_: False)
+    monkeypatch.setattr(selection, "log_bayes_factor", lambda *_: np.inf)
     fits = [
         Made("encoder_eccentricity", 12.0, 1.0, gap=False),
         Made("payload_inertia", 18.0, 1.0, gap=False),

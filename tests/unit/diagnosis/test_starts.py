@@ -4,7 +4,6 @@ import pytest
 from planted import run_of
 
 from flexarm.arm.spring_effect import SpringEffect
-from flexarm.diagnosis.candidate import value_of
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.nuisance import NuisanceParameter, nuisance_model
 from flexarm.diagnosis.problem import Problem
@@ -38,7 +37,7 @@ def test_a_spring_that_the_model_lacks_starts_at_several_stiffnesses():
     problem = Problem(arm, {"run": run_of("one joint").showing({}, 1).record})
     found = candidates(problem, nuisance_model(problem).arm, softer=SpringEffect.softer)
     springs = [c for c in found if c.name == "joint_compliance"]
-    stiffness = [value_of(c.probes[0], "stiffness") for c in springs]
+    stiffness = [c.probes[0].value_of("stiffness") for c in springs]
     assert [stiffness[0] / k for k in stiffness] == pytest.approx(SpringEffect.softer)
     assert all("stiffness" in c.free for c in springs)
 
@@ -47,11 +46,11 @@ def test_a_bow_that_grows_starts_at_several_time_constants():
     """Each is fitted from there; a probe grows as its start does, so that its size is what is asked for."""
     problem = Problem(run_of("one joint").simulation.arm, {"run": run_of("one joint").showing({}, 1).record})
     bows = [c for c in candidates(problem, nuisance_model(problem).arm) if c.name == "link_bow"]
-    assert [value_of(c.effect, "time_constant") for c in bows] == [0.0, 10.0, 100.0]
+    assert [c.effect.value_of("time_constant") for c in bows] == [0.0, 10.0, 100.0]
     assert ["time_constant" in c.free for c in bows] == [False, True, True]
     for bow in bows:
         assert len(bow.probes) == 2  # across the rod
-        assert {value_of(p, "time_constant") for p in bow.probes} == {value_of(bow.effect, "time_constant")}
+        assert {p.value_of("time_constant") for p in bow.probes} == {bow.effect.value_of("time_constant")}
         sized = bow.sized([2.0, 0.0])
-        assert value_of(sized, "tip_offset.x") == pytest.approx(2 * value_of(bow.probes[0], "tip_offset.x"))
-        assert value_of(sized, "time_constant") == value_of(bow.effect, "time_constant")
+        assert sized.value_of("tip_offset.x") == pytest.approx(2 * bow.probes[0].value_of("tip_offset.x"))
+        assert sized.value_of("time_constant") == bow.effect.value_of("time_constant")

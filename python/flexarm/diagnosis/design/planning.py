@@ -19,7 +19,6 @@ from flexarm.arguments import ARM, CLOCKS, DRIVES, FRAMES, JOBS, NUMBER, takes
 from flexarm.arm import Arm
 from flexarm.arm.joint_units import parameters_in
 from flexarm.configuration import version
-from flexarm.diagnosis.candidate import value_of
 from flexarm.diagnosis.design.candidate_measurements import menu
 from flexarm.diagnosis.design.experiment import from_drive, from_record
 from flexarm.diagnosis.design.plan_result import Plan, PlannedEffect, Tie
@@ -61,13 +60,13 @@ def planned_effect(
     moved = (
         name
         for name in candidate.free
-        if name not in size.shape and abs(value_of(size, name) - candidate.null.get(name, 0.0)) > 0
+        if name not in size.shape and abs(size.value_of(name) - candidate.null.get(name, 0.0)) > 0
     )
     name = next(moved, candidate.free[0])
-    value, null = value_of(size, name), candidate.null.get(name, 0.0)
+    value, null = size.value_of(name), candidate.null.get(name, 0.0)
     times = sqrt(SelectionPolicy.strong_evidence / seen) if seen > 0 else inf
     if candidate.effect.is_spring:
-        there = value_of(candidate.without, name) if candidate.without is not None else inf
+        there = candidate.without.value_of(name) if candidate.without is not None else inf
         change = 1.0 / value - 1.0 / there
         least = 1.0 / (1.0 / there + times * change)
     else:

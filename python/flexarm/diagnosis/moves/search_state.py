@@ -24,7 +24,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.candidate import Candidate, nulls, value_of
+from flexarm.diagnosis.candidate import Candidate, nulls
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.screening import LONGER, Probed, linear_response
@@ -145,7 +145,7 @@ def _from(candidate: Candidate, there: Arm) -> Candidate:
     if not any(away[key] for key in candidate.free if key in away):
         return candidate
     probes = [
-        each.with_parameters({key: value_of(each, key) + away.get(key, 0.0) for key in candidate.free})
+        each.with_parameters({key: each.value_of(key) + away.get(key, 0.0) for key in candidate.free})
         for each in candidate.probes
     ]
     return replace(candidate, probes=tuple(probes), null=null, without=without)
