@@ -1,4 +1,4 @@
-"""A model beside a record: simulate, align, and show the gap by direction and band."""
+"""Comparison of a model with a record: simulate, align, and show the gap by direction and band."""
 
 from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -96,18 +97,16 @@ def _simulate(arm: Arm, record: Record, step: float, alpha: float) -> Any:
 
     if rings_freely(record):
         return simulate_free_vibration(arm, record, step)
-    quantities = {signal.quantity for signal in record.signals.values()}
     require_known_drive(record)
     drive = Drive.from_record(record, arm)
-    return simulate(
-        arm,
-        drive,
-        step=step,
-        alpha=alpha,
-        end=end_of_simulation(record, arm, drive.start),
-        rotations=bool(quantities & set(NEEDS_ROTATIONS)),
-        forces="strain" in quantities,
-    )
+    end = end_of_simulation(record, arm, drive.start)
+    return simulate(arm, drive, step=step, alpha=alpha, end=end, **needed_outputs([record]))
+
+
+def needed_outputs(records: Iterable[Record]) -> dict[str, Any]:
+    """Return options of `simulate` for the outputs that signals of some records are read from."""
+    seen = {signal.quantity for record in records for signal in record.signals.values()}
+    return {"rotations": not seen.isdisjoint(NEEDS_ROTATIONS), "forces": "strain" in seen}
 
 
 def require_known_drive(record: Record) -> None:

@@ -1,4 +1,4 @@
-r"""Free vibration beside a record without a drive that begins in motion: tap, pluck and drop tests.
+r"""Free vibration of a record without a drive that begins in motion: tap, pluck and drop tests.
 
 What the arm was given nobody knows. Its modes ring from amplitudes that the record itself shows,
 

@@ -6,8 +6,8 @@ parameters of that model at x0, the residual of any model with effects is, at th
 
     r = r(effects, x0) + c - J x0,                                                                     (1)
 
-from which `diagnosis.fit` eliminates them all. A estimator *about* another model has J, x0 and c
-of that one.
+from which `diagnosis.fit` eliminates them all. An estimator *about* another model has J, x0 and c of that
+one.
 """
 
 from __future__ import annotations
@@ -166,10 +166,7 @@ class Estimator:
 
     def taken(self, members: Sequence[Candidate]) -> frozenset[str]:
         """Return the keys of nuisance parameters that are effects of a set."""
-        fitted = frozenset().union(*(member.spots for member in members))
-        return frozenset(
-            u.key for u in self.nuisance.parameters if u.key.startswith("effects.") and u.place in fitted
-        )
+        return self.nuisance.taken_by(frozenset().union(*(member.spots for member in members)))
 
     def eliminated(self, members: Sequence[Candidate]) -> tuple[NuisanceModel, Projection]:
         """Return the nuisance parameters that are no effects of a set, and their projection."""
@@ -178,7 +175,7 @@ class Estimator:
     def without(self, taken: frozenset[str]) -> tuple[NuisanceModel, Projection]:
         """Return all nuisance parameters but some, and their projection."""
         if taken not in self._projections:
-            left = self.nuisance.without(set(taken))
+            left = self.nuisance.without(taken)
             keep = [k for k, u in enumerate(self.nuisance.parameters) if u.key not in taken]
             self._projections[taken] = (left, Projection(self.jacobian[:, keep], left.sigma))
         return self._projections[taken]

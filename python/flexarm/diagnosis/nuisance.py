@@ -8,7 +8,7 @@ sigma. Nominal values are those of
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import hypot, inf, isinf
 from typing import Literal
@@ -135,7 +135,11 @@ class NuisanceModel:
             if u.kind == "nominal"
         }
 
-    def without(self, keys: set[str]) -> NuisanceModel:
+    def taken_by(self, spots: Collection[tuple[str, str]]) -> frozenset[str]:
+        """Return the keys of clocks, frames and zeros that are effects themselves, given name and place."""
+        return frozenset(u.key for u in self.parameters if u.key.startswith("effects.") and u.place in spots)
+
+    def without(self, keys: Collection[str]) -> NuisanceModel:
         """Return the model without some keys."""
         return NuisanceModel(self.arm, tuple(u for u in self.parameters if u.key not in keys))
 

@@ -10,7 +10,7 @@ is about as far from f as f is from the truth. The difference of the simulations
 each channel, added to its noise. Near a mode one u errs up to ten times as much as another: the largest error
 of `NOISE_MODEL.draws` of them counts, `NOISE_MODEL.quantisation_factor` times.
 
-**Zeros.** An encoder counts from where it was told to, and an inclinometer from where it was screwed on. The
+**Zeros.** The zero of an encoder was set by somebody, that of an inclinometer depends on its mounting. The
 offset of each one that is evidence is fitted as a nominal value of 0,
 
     offset ~ N(0, sigma^2),    sigma = `zero_std` of the signal, else `SelectionPolicy.zero` of an angle  (2)

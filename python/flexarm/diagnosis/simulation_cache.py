@@ -13,7 +13,7 @@ from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.arrays import Floats
-from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, end_of_simulation, require_known_drive
+from flexarm.comparison.aligned_record import end_of_simulation, needed_outputs, require_known_drive
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.poses import FORCES, pair_poses, solve_poses, with_turned
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
@@ -204,8 +204,7 @@ class SimulationCache:
         return {
             "step": self.step,
             "alpha": self.alpha,
-            "rotations": not seen.isdisjoint(NEEDS_ROTATIONS),
-            "forces": "strain" in seen,
+            **needed_outputs([record]),
             "consistent_forces": not seen.isdisjoint(FORCES),
             "end": end_of_simulation(record, arm, self.drive(name, arm).start),
         }

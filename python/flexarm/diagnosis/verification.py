@@ -175,7 +175,7 @@ class SplitRecords:
 
 
 def compared(pairs: Mapping[str, AlignedRecord], before: Gaps | None = None) -> Gaps:
-    """Return the gap of each record that a model was simulated beside, in the bands of `before`."""
+    """Return the gap of each simulated record, in the bands of `before`."""
     return {name: comparison_of(pair, other=(before or {}).get(name)) for name, pair in pairs.items()}
 
 

@@ -1,4 +1,4 @@
-"""A model beside records before and after it is changed: what a diagnosis and a calibration share."""
+"""The gap of a model before and after it is changed: what results of diagnosis and calibration share."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.report.files import Drawing, drawn, filled, legend_below, margin_for, sheet
+from flexarm.report.files import drawn, filled, legend_below, margin_for, sheet
 from flexarm.wording import number, scale, with_unit
 
 if TYPE_CHECKING:
@@ -39,14 +39,9 @@ def page(findings: Findings, record: Mapping[str, Any]) -> str:
             for each in findings.yields
         ],
         trends=[_trend_row(each, findings.time) for each in findings.trends],
-        drawn=drawings(findings),
+        drawn=drawn(_figures(findings)),
         with_unit=with_unit,
     )
-
-
-def drawings(findings: Findings) -> list[Drawing]:
-    """Return the figures of the page."""
-    return drawn(_figures(findings))
 
 
 def _headline(f: Findings) -> Iterator[str]:

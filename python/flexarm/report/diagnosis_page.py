@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import unified_diff
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
@@ -64,7 +63,9 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         remarks=remarks_beside(d),
         hold_out=hold_out_sentence(d) if d.training else "",
         gaps=gap_tables(d),
-        role=partial(_role, d),
+        # of a record whose name does not say so
+        role={name: "" if "held" in name else "held out" for name in d.held_out}
+        | dict.fromkeys(set(d.training) - set(d.held_out), "training"),
         where=list(_where_rows(d)),
         follows=[
             {"signal": signal, "state": found.best, "share": f"{100 * found.share:.0f} %"}
@@ -90,11 +91,6 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         fits_too=FITS_TOO,
         provenance=report["provenance"],
     )
-
-
-def _role(d: Diagnosis, record: str) -> str:
-    """Return what a record is, where its name does not say so."""
-    return ("" if "held" in record else "held out") if record in d.held_out else "training"
 
 
 def _where_rows(d: Diagnosis) -> Iterator[Row]:

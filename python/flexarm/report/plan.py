@@ -30,13 +30,8 @@ FILE, PAGE = "plan.json", "plan.html"
 
 def write(plan: Plan, directory: Path) -> None:
     """Write plan.json, plan.html and the figures into a directory that is there."""
-    figures = drawings(plan)
+    figures = drawn(_figures(plan), bbox_inches="tight")
     write_files(directory, figures, (PAGE, page(plan, figures)), (FILE, plan.to_json_dict()))
-
-
-def drawings(plan: Plan) -> list[Drawing]:
-    """Both figures, drawn."""
-    return drawn(_figures(plan), bbox_inches="tight")
 
 
 def page(plan: Plan, figures: list[Drawing]) -> str:
@@ -159,9 +154,14 @@ def near_effects(plan: Plan) -> list[int]:
 
 def draw_matrix(plan: Plan, ax: Axes | None = None) -> Axes:
     """Rows: the effect that is there; columns: the one that is named. Only effects that are near another."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.figure import Figure
 
-    ax = ax if ax is not None else _axes()
+    if ax is None:
+        figure = Figure(figsize=(6.4, 6.4), layout="constrained")
+        FigureCanvasAgg(figure)
+        ax = figure.subplots()
     shown = near_effects(plan)
     reach = plan.thresholds["parted"]
     effects = [plan.effects[i] for i in shown]
@@ -183,9 +183,8 @@ def draw_matrix(plan: Plan, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def draw_sizes(plan: Plan, ax: Axes | None = None) -> Axes:
-    """Return the smallest detectable size of every effect over its plausible one, smallest first."""
-    ax = ax if ax is not None else _axes()
+def draw_sizes(plan: Plan, ax: Axes) -> None:
+    """Draw the smallest detectable size of every effect over its plausible one, smallest first."""
     shown = sorted((e for e in plan.effects if e.log_bayes_factor > 0), key=lambda each: each.times)
     labels = [place_words(*each.place) for each in shown]
     times = [min(each.times, 10.0) for each in shown]
@@ -204,16 +203,6 @@ def draw_sizes(plan: Plan, ax: Axes | None = None) -> Axes:
     ax.invert_yaxis()
     ax.tick_params(axis="y", length=0)
     ax.grid(visible=False, axis="y")
-    return ax
-
-
-def _axes() -> Axes:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.4, 6.4), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure.subplots()
 
 
 FORMAT = "flexarm-plan/1"

@@ -72,7 +72,7 @@ def states_drawn(joints: Sequence[JointStates]) -> Sequence[str]:
 def main_direction(d: Diagnosis) -> str:
     """Return the direction in which the main signal's gap is greatest; it is what `against_states` draws."""
     assert d.located is not None
-    return largest_direction(d.located.gaps[d.main_signal])
+    return d.located.gaps[d.main_signal].largest_direction
 
 
 def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str, kind: str) -> None:
@@ -149,11 +149,6 @@ def of_joint(states: Sequence[JointStates], joint: str) -> JointStates:
     return next(each for each in states if each.joint == joint)
 
 
-def largest_direction(rows: SignalResidual) -> str:
-    """Return the direction in which the gap of a signal is greatest."""
-    return max(rows.directions, key=lambda name: float(np.sum(rows.directions[name] ** 2)))
-
-
 def draw_of_effect(ax: Axes, d: Diagnosis, effect: NamedEffect) -> None:
     """Draw the gap that an effect explains, against the state of its joint that its law speaks of."""
     assert d.located is not None
@@ -162,7 +157,7 @@ def draw_of_effect(ax: Axes, d: Diagnosis, effect: NamedEffect) -> None:
     joints = [each.joint for each in rows.states]
     most = turned_most(d.located, rows).joint
     joint = next((at for at in effect.places if at in joints and len(effect.places) == 1), most)
-    draw_against(ax, d, signal, largest_direction(rows), joint, effect_class(effect.name).varies_with)
+    draw_against(ax, d, signal, rows.largest_direction, joint, effect_class(effect.name).varies_with)
     ax.set_title(f"{signal}: measured − model")
 
 
@@ -182,7 +177,7 @@ def gap_figure(before: Localisation, after: Localisation | None = None, signal: 
         if name not in model.gaps:
             raise InvalidParameter(f"there is no signal {name!r}; there are {', '.join(model.gaps)}")
     gaps = [(before.gaps[name], BEFORE, "before")] if after else [(before.gaps[name], AFTER, "gap")]
-    rows, direction = before.gaps[name], largest_direction(before.gaps[name])
+    rows, direction = before.gaps[name], before.gaps[name].largest_direction
     gaps += [(after.gaps[name], AFTER, "after")] if after and direction in after.gaps[name].directions else []
     joint = turned_most(before, rows)
     kinds, records = states_drawn([joint]), rows.labels[:4] if joint.moves else ()

@@ -167,8 +167,9 @@ def joint_rotations(pairs: Mapping[str, AlignedRecord]) -> JointRotations | None
     )
 
 
-def _channels(pairs: Mapping[str, AlignedRecord], joints: list[str], same: float = 1e-6) -> _Channels | None:
-    """Return the channels of all records, one after the other; instants closer than `same` [s] are one."""
+def _channels(pairs: Mapping[str, AlignedRecord], joints: list[str]) -> _Channels | None:
+    """Return the channels of all records, one after the other; instants closer than 1e-6 s are one."""
+    same = 1e-6
     instants, jacobians, residuals, noise, states = [], [], [], [], []
     times: list[Floats] = []
     for pair in pairs.values():

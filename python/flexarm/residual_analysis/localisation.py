@@ -147,8 +147,8 @@ def dominant_cells(
     return tuple(entries)
 
 
-def _listed(parts: Sequence[Cell], most: int = 8) -> list[Cell]:
-    """Return the parts to list; the largest of every signal comes before the second of another."""
+def _listed(parts: Sequence[Cell]) -> list[Cell]:
+    """Return the parts to list, at most eight; the largest of every signal before the second of another."""
     ranks: dict[str, int] = {}
     found = []
     for cell in sorted(parts, key=lambda cell: -cell.share):
@@ -159,7 +159,7 @@ def _listed(parts: Sequence[Cell], most: int = 8) -> list[Cell]:
         if cell.exceeds and cell.share >= least:
             found.append((ranks.setdefault(cell.signal, 0), cell))
             ranks[cell.signal] += 1
-    kept = sorted(found, key=lambda item: (item[0] > 0, -item[1].share))[:most]
+    kept = sorted(found, key=lambda item: (item[0] > 0, -item[1].share))[:8]
     return sorted((cell for _, cell in kept), key=lambda cell: -cell.share)
 
 

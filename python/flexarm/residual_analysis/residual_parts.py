@@ -81,6 +81,11 @@ class SignalResidual:
         """Residual over its noise, shape (n, directions)."""
         return np.stack([self.directions[name] / self.noise[name] for name in self.directions], axis=1)
 
+    @property
+    def largest_direction(self) -> str:
+        """Direction in which the residual is greatest."""
+        return max(self.directions, key=lambda name: float(np.sum(self.directions[name] ** 2)))
+
 
 def signal_residual(
     pairs: Mapping[str, AlignedRecord],

@@ -108,7 +108,7 @@ def unexplained_residual(localised: Localisation) -> UnexplainedResidual | None:
     if not localised.gaps:
         return None
     rows = max(localised.gaps.values(), key=lambda each: float(np.mean(each.whitened**2)))
-    direction = max(rows.directions, key=lambda name: float(np.sum(rows.directions[name] ** 2)))
+    direction = rows.largest_direction
     length = np.sqrt(np.sum([values**2 for values in rows.directions.values()], axis=0))
     noise = float(np.sqrt(np.mean(np.sum([sigma**2 for sigma in rows.noise.values()], axis=0))))
     rms, worst = float(np.sqrt(np.mean(length**2))), int(np.argmax(length))

@@ -240,19 +240,21 @@ def _driven(arm: Arm, record: Record) -> tuple[Floats, dict[str, Floats]]:
 
 def rigid_motion(arm: Arm, time: Floats, angles: Mapping[str, Floats]) -> Simulation:
     """Return the motion of the rigid arm, its joints at some angles [rad, m] or 0; torques are unknown."""
-    still = np.zeros(len(time))
+    from scipy.spatial.transform import Rotation
+
+    n, still = len(time), np.zeros(len(time))
     values = {joint.name: angles.get(joint.name, still) for joint in arm.joints}
     angle = np.column_stack([values[joint.name] for joint in arm.joints])
-    poses = [link_pose(arm, point.link, values) for point in arm.points]
-    rotation = [np.broadcast_to(pose.R, (len(time), 3, 3)) for pose in poses]
-    position = np.stack(
-        [
-            np.broadcast_to(pose.of_point(np.asarray(point.position)), (len(time), 3))
-            for pose, point in zip(poses, arm.points, strict=True)
-        ]
-        or [np.empty((len(time), 0))],
-        axis=1,
-    ).reshape(len(time), len(poses), 3)
+    position, orientation = np.empty((n, len(arm.points), 3)), np.empty((n, len(arm.points), 4))
+    angular_rate = np.empty_like(position)
+    for k, point in enumerate(arm.points):
+        pose = link_pose(arm, point.link, values)
+        position[:, k] = pose.of_point(np.asarray(point.position))
+        turned = Rotation.from_matrix(np.broadcast_to(pose.R, (n, 3, 3)))
+        orientation[:, k] = turned.as_quat()
+        turns = (turned[:-1].inv() * turned[1:]).as_rotvec()  # in the body's axes
+        angular_rate[:-1, k] = turns / np.diff(time)[:, None]
+        angular_rate[-1, k] = angular_rate[-2, k]
     rate, unknown = np.asarray(np.gradient(angle, time, axis=0)), np.full(angle.shape, np.nan)
     return Simulation(
         arm,
@@ -266,26 +268,6 @@ def rigid_motion(arm: Arm, time: Floats, angles: Mapping[str, Floats]) -> Simula
         unknown,
         unknown,
         Energies(*[still * np.nan] * len(NAMES)),
-        orientation=_quaternions(rotation, len(time)),
-        angular_rate=_angular_rates(rotation, time),
+        orientation=orientation,
+        angular_rate=angular_rate,
     )
-
-
-def _quaternions(rotation: list[Floats], count: int) -> Floats:
-    """Return attitudes of the points, shape (n, point, 4), in the order x, y, z, w."""
-    from scipy.spatial.transform import Rotation
-
-    found = [Rotation.from_matrix(each).as_quat() for each in rotation]
-    return np.stack(found, axis=1) if found else np.empty((count, 0, 4))
-
-
-def _angular_rates(rotation: list[Floats], time: Floats) -> Floats:
-    """Return rates in the body's axes, from one instant to the next, shape (n, point, 3)."""
-    from scipy.spatial.transform import Rotation
-
-    found = [np.zeros((len(time), 3)) for _ in rotation]
-    for rate, each in zip(found, rotation, strict=True):
-        turns = Rotation.from_matrix(np.swapaxes(each[:-1], 1, 2) @ each[1:]).as_rotvec()
-        rate[:-1] = turns / np.diff(time)[:, None]
-        rate[-1] = rate[-2]
-    return np.stack(found, axis=1) if found else np.empty((len(time), 0, 3))

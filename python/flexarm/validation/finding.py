@@ -249,7 +249,7 @@ class _FaultEvidence:
     channel: str
     known: tuple[str, ...]
     log_odds: float
-    values: dict[str, tuple[float, float, str]]
+    values: Values
     sentence: str
     alternative: DriveFault | None = None
 
@@ -263,48 +263,42 @@ def merge_findings(all_findings: Sequence[RecordFindings]) -> tuple[Fault, ...]:
         else v
         for v in all_findings
     ]
-    items = _one_fault_per_channel([item for findings in all_findings for item in _items(findings)])
-    keys = dict.fromkeys((item.name, item.at) for item in items)
-    faults = [_fault([item for item in items if (item.name, item.at) == key]) for key in keys]
-    return tuple(sorted(faults, key=lambda fault: -fault.probability))
-
-
-def _one_fault_per_channel(items: list[_FaultEvidence]) -> list[_FaultEvidence]:
-    """Keep one fault for each channel, that of the record with the highest odds."""
-    best: dict[tuple[str, str], _FaultEvidence] = {}
+    items = [item for findings in all_findings for item in _items(findings)]
+    best: dict[tuple[str, str], _FaultEvidence] = {}  # by channel: one fault each, that of the highest odds
     for item in items:
-        key = item.at, item.channel
-        if key not in best or item.log_odds > best[key].log_odds:
-            best[key] = item
-    return [item for item in items if item.name == best[item.at, item.channel].name]
+        channel = item.at, item.channel
+        if channel not in best or item.log_odds > best[channel].log_odds:
+            best[channel] = item
+    by_fault: dict[tuple[str, str], list[_FaultEvidence]] = {}
+    for item in items:
+        if item.name == best[item.at, item.channel].name:
+            by_fault.setdefault((item.name, item.at), []).append(item)
+    return tuple(sorted(map(_fault, by_fault.values()), key=lambda fault: -fault.probability))
 
 
 def _items(findings: RecordFindings) -> list[_FaultEvidence]:
     """Return the evidence of one record."""
-    drive = findings.drive
-    found = []
-    for each in findings.channels:
-        if each.name:
-            signal = each.channel.signal
-            alternative = drive if findings.ambiguous else None
-            known = channel_names(signal.quantity, signal.axes)
-            found.append(
-                _FaultEvidence(
-                    findings.record,
-                    each.name,
-                    signal.name,
-                    each.channel.name,
-                    known,
-                    each.log_bayes,
-                    dict(each.values),
-                    each.sentence,
-                    alternative,
-                )
-            )
+    record, drive = findings.record, findings.drive
+    found = [
+        _FaultEvidence(
+            record,
+            each.name,
+            each.channel.signal.name,
+            each.channel.name,
+            channel_names(each.channel.signal.quantity, each.channel.signal.axes),
+            each.log_bayes,
+            each.values,
+            each.sentence,
+            drive if findings.ambiguous else None,
+        )
+        for each in findings.channels
+        if each.name
+    ]
     if drive is not None and (not findings.ambiguous or not found):
-        for at, values in drive.values.items():
-            item = findings.record, drive.name, at, "", ("",), drive.log_bayes, dict(values), drive.sentence
-            found.append(_FaultEvidence(*item))
+        found += [
+            _FaultEvidence(record, drive.name, at, "", ("",), drive.log_bayes, values, drive.sentence)
+            for at, values in drive.values.items()
+        ]
     return found
 
 

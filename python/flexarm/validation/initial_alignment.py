@@ -15,7 +15,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.budget import allows, current
-from flexarm.comparison.aligned_record import NEEDS_ROTATIONS, simulate_record
+from flexarm.comparison.aligned_record import needed_outputs, simulate_record
 from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
 from flexarm.comparison.initial_guess import initial_guess
@@ -93,7 +93,6 @@ def _simulations(
         for name, record in records.items()
         if record.kind == "motion" and not rings_freely(record)
     }
-    seen = {signal.quantity for record in moving.values() for signal in record.signals.values()}
     budget = current()
     runs = simulate_all(
         [(arm, record) for record in moving.values()],  # `simulate` applies the record
@@ -101,8 +100,7 @@ def _simulations(
         stop=lambda: budget.spent,
         step=step,
         alpha=alpha,
-        rotations=bool(seen & set(NEEDS_ROTATIONS)),
-        forces="strain" in seen,
+        **needed_outputs(moving.values()),
     )
     found: dict[str, Any] = dict(zip(moving, runs, strict=False))
     for name, record in records.items():

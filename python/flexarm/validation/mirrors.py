@@ -1,10 +1,15 @@
-"""Places that the model shows in a mirror: a turned axis, exchanged columns, a frame of the other hand.
+"""Exchanged and turned axes of sensors of three axes, which no gain of a single channel shows.
 
-A gain of one channel does not show them where a frame is unknown: the best turn spreads the fault over all
-axes. Readings y and predictions p, both from their means, have the singular values S_1 >= ... >= S_n of
-sum y p^T. The best turn and the best mirror leave [Umeyama1991]
+    y_k = s_k p_j(k),    s_k = 1 or -1,    j a permutation of x, y, z other than x, y, z itself         (1)
 
-    sum |y|^2 + |p|^2 - 2 (S_1 + ... -+ S_n)    where the determinant is negative.                      (1)
+Axes of an inertial sensor that are exchanged leave a reading that no gain explains, and offsets of an
+accelerometer hide it, since gravity is one. So (1) is tried as it stands.
+
+Places show an exchanged or turned axis, or a frame of the other hand, in a mirror. Where a frame is unknown
+the best turn spreads the fault over all axes. Readings y and predictions p, both from their means, have the
+singular values S_1 >= ... >= S_n of sum y p^T. The best turn and the best mirror leave [Umeyama1991]
+
+    sum |y|^2 + |p|^2 - 2 (S_1 + ... -+ S_n)    where the determinant is negative.                      (2)
 
 n is 3, or 2 in a frame whose pose is stated: one that nobody knows may look at a plane from behind. A mirror
 Q of a stated frame is told as the signed permutation M nearest to it, that of an unknown one, in which all
@@ -17,6 +22,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import permutations, product
 
 import numpy as np
 
@@ -24,11 +30,63 @@ from flexarm.arrays import Floats
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.record import Signal
 from flexarm.validation.channel import Channel, channels
-from flexarm.validation.exchanged_axes import rows_of
 from flexarm.validation.finding import ChannelFinding, cost, log_bayes, total_cost
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
 from flexarm.wording import listed, with_unit
+
+INERTIAL = ("acceleration", "angular_rate")
+"""Quantities along the body axes of a point."""
+
+
+def exchanged_axes(seen: Mapping[str, Sequence[Channel]]) -> Iterator[str]:
+    """Report inertial sensors that (1) explains, and their own axes do not."""
+    for name, own in seen.items():
+        for signal in dict.fromkeys(channel.signal.name for channel in own):
+            axes = [channel for channel in own if channel.signal.name == signal]
+            if axes[0].signal.quantity in INERTIAL and len(axes) == 3:
+                yield from _exchanged(f"{name}: signals.{signal}", axes)
+
+
+def _exchanged(where: str, axes: Sequence[Channel]) -> Iterator[str]:
+    y, p = _common_rows(axes)
+    if not y.size:
+        return
+    own, names = _rms(y - p), [channel.name for channel in axes]
+    tried = [
+        (_rms(y - np.array(signs)[:, None] * p[list(order)]), order, signs)
+        for order in permutations(range(3))
+        if order != (0, 1, 2)
+        for signs in product((1, -1), repeat=3)
+    ]
+    least, order, signs = min(tried)
+    if least > POLICY.max_unexplained * min(own, _rms(y)):
+        return
+    told = [
+        f"{names[k]} reads {'-' * (signs[k] < 0)}{names[j]}"
+        for k, j in enumerate(order)
+        if _rms(y[k] - signs[k] * p[j]) <= POLICY.max_unexplained * _rms(y[k] - p[k])
+    ]
+    unit = axes[0].signal.unit
+    left = f"that leaves {with_unit(least, unit, 2)} rms of {with_unit(own, unit, 2)}"
+    yield f"{where}: {listed(told)} of the model's point; {left}: is it mounted so, or are columns exchanged?"
+
+
+def _common_rows(axes: Sequence[Channel]) -> tuple[Floats, Floats]:
+    """Return readings and predictions, (axes, n), of rows that hold all axes."""
+    held = np.zeros(len(axes[0].signal), dtype=np.intp)
+    for axis in axes:
+        held[axis.rows] += 1
+    kept = [held[axis.rows] == len(axes) for axis in axes]
+    y, p = (
+        np.stack([values[rows] for values, rows in zip(of, kept, strict=True)])
+        for of in ([each.measured for each in axes], [each.predicted for each in axes])
+    )
+    return y, p
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(np.sum(np.atleast_2d(values) ** 2, axis=0))))
 
 
 def with_mirrors(
@@ -63,7 +121,7 @@ def _mirrored(
     name: str, simulated: SimulatedRecord, signals: Mapping[str, Signal], seen: Sequence[Channel]
 ) -> list[ChannelFinding]:
     """Return the channels of places under a mirror; empty if no mirror explains what no turn does."""
-    pairs = [rows_of([each for each in seen if each.signal.name == signal]) for signal in signals]
+    pairs = [_common_rows([each for each in seen if each.signal.name == signal]) for signal in signals]
     y, p = (np.concatenate(values, axis=1) for values in zip(*pairs, strict=True))
     if not y.size:
         return []

@@ -29,7 +29,6 @@ from flexarm.simulation import Progress
 from flexarm.validation.channel import Channel, channels
 from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
 from flexarm.validation.drive_hypotheses import implausible_drives
-from flexarm.validation.exchanged_axes import exchanged_axes
 from flexarm.validation.finding import RecordFindings, RemovedOutliers, ValidationResult, merge_findings
 from flexarm.validation.frames_and_clocks import (
     remarks_on_frames,
@@ -40,6 +39,7 @@ from flexarm.validation.frames_and_clocks import (
 )
 from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import initial_alignment, simulate_records
+from flexarm.validation.mirrors import exchanged_axes
 from flexarm.validation.outliers import blank_rows, clean_drives, clean_evidence
 from flexarm.validation.policy import POLICY
 from flexarm.validation.record_remarks import (

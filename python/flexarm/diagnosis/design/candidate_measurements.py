@@ -136,8 +136,8 @@ def _motions(arm: Arm, run: Experiment) -> Iterator[Addition]:
     following = following_joints(arm, (), run.drive.joints)
     still = [j for j in arm.joints if j.moves and j.name not in {*run.drive.joints, *following}]
     driven = [j for j in arm.joints if j.name in run.drive.joints]
+    shafts = {gear.input for gear in arm.gears}
     for joint in (*still[:1], *driven[:1]):
-        shafts = {gear.input for gear in arm.gears}
         if joint.name in shafts:
             continue
         turn, unit = (DESIGN.turn, "rad") if joint.type == "revolute" else (DESIGN.turn / 10, "m")

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import groupby
 
 import numpy as np
@@ -40,7 +41,7 @@ from flexarm.wording import listed, number, place_words
 def gains(
     choice: Choice, problem: Problem, name: str, record: Record, pairs: Sequence[tuple[int, AlternativeModel]]
 ) -> Iterator[tuple[Addition, list[float]]]:
-    """E ln B of every pair with every addition."""
+    """Yield each addition with E ln B of every pair."""
     arm = choice.estimator.with_effects(choice.best.members)
     noise = {row.signal: row.sigma for row in problem.rows if row.record == name}
     step = problem.step
@@ -61,12 +62,14 @@ def gains(
     )
     sensors = [sensor for addition in additions for sensor in addition.sensors]
     logged = replace(run, sensors=(*run.sensors, *sensors))
-    with_all: list[_Next | None] = []  # one run serves all sensors that may be added
+
+    @cache
+    def rows_of(run: Experiment) -> _Next | None:
+        return _Next.of(run, there, choice, problem, pairs)
+
     for addition in additions:
         own = {*(s.name for s in run.sensors), *(s.name for s in addition.sensors)}
-        if addition.sensors and not with_all:
-            with_all.append(_Next.of(logged, there, choice, problem, pairs))
-        rows = with_all[0] if addition.sensors else _Next.of(addition.runs[0], there, choice, problem, pairs)
+        rows = rows_of(logged if addition.sensors else addition.runs[0])  # one run serves all added sensors
         if rows is not None:
             yield addition, [_expected(present, rows, k, own) for k in range(len(pairs))]
 

@@ -76,7 +76,7 @@ def planned_effect(
 
 
 def hidden(arm: Arm, effect: Effect, seen: float) -> str:
-    """Why an effect is not seen at any plausible size; empty where it is.
+    """Return why an effect is not seen at any plausible size; empty where it is.
 
     A torque on a joint that cannot give way is taken by the drive.
     """
@@ -107,7 +107,7 @@ def plan(
     alpha: float = -0.05,
     progress: Progress = None,
 ) -> Plan:
-    """Which effects at which places an experiment could tell apart, and the cheapest addition for the rest.
+    """Find the effects that an experiment could tell apart, and the cheapest addition for the others.
 
     Parameters
     ----------

@@ -89,10 +89,8 @@ def _key(candidate: Candidate) -> str:
 
 
 def unexplained_gap(responses: Responses, gaps: Floats, alternative: Probed | None) -> Floats:
-    """v of (1) for gaps (n, k): rows, then what is asked of nuisance parameters and of the alternative, in
-    sigmas.
-    """
-    taken = set() if alternative is None else taken_by(alternative.candidate, responses.nuisance)
+    """Return v of (1) for gaps (n, k): rows, then pulls of nuisance parameters and sizes [sigma]."""
+    taken = responses.nuisance.taken_by([] if alternative is None else [alternative.candidate.spot])
     keep = [k for k, u in enumerate(responses.nuisance.parameters) if u.key not in taken]
     jacobian, sigma = responses.jacobian[:, keep], responses.nuisance.sigma[keep]
     if alternative is not None:
@@ -103,13 +101,8 @@ def unexplained_gap(responses: Responses, gaps: Floats, alternative: Probed | No
     return Projection(jacobian, sigma).project(gaps)  # eq. (1)
 
 
-def taken_by(candidate: Candidate, nuisance: NuisanceModel) -> set[str]:
-    """Unknowns that are a candidate themselves: a clock's delay as an effect has no prior of a clock."""
-    return {u.key for u in nuisance.parameters if u.key.startswith("effects.") and u.place == candidate.spot}
-
-
 def expected_log_bayes_factor(v: Floats, rows: int) -> Floats:
-    """Eq. (2) for each column of v, of which `rows` are data; what is asked of priors counts as one row."""
+    """Return eq. (2) for each column of v, of which `rows` are data; all pulls together count as one row."""
     asked = np.linalg.norm(v[rows:], axis=0, keepdims=True)
     all_rows = np.vstack([v[:rows], asked])
     square = np.sum(all_rows**2, axis=0)
@@ -127,7 +120,7 @@ class Shown:
 
 
 def shown_by(responses: Responses) -> list[Shown]:
-    """Of every effect."""
+    """Return the variant and probe of every effect that is seen best."""
     found = []
     for variants in responses.effects:
         values = [
@@ -140,7 +133,7 @@ def shown_by(responses: Responses) -> list[Shown]:
 
 
 def gaps_of(responses: Responses, shown: Sequence[Shown]) -> Floats:
-    """g of (1) for every effect, shape (n, effects)."""
+    """Return g of (1) for every effect, shape (n, effects)."""
     columns = [
         variants[s.variant].moves[:, s.probe] for variants, s in zip(responses.effects, shown, strict=True)
     ]
@@ -148,13 +141,14 @@ def gaps_of(responses: Responses, shown: Sequence[Shown]) -> Floats:
 
 
 def against_none(responses: Responses, gaps: Floats) -> Floats:
-    """E ln B of every gap against no effect at all."""
+    """Return E ln B of every gap against no effect at all."""
     return expected_log_bayes_factor(unexplained_gap(responses, gaps, None), len(gaps))
 
 
 def matrix(responses: Responses, shown: Sequence[Shown]) -> Floats:
-    """E ln B_ij of (2), shape (effects, effects); an alternative has the best of its variants. The diagonal
-    is 0.
+    """Return E ln B_ij of (2), shape (effects, effects), with 0 on its diagonal.
+
+    An alternative has the best of its variants.
     """
     gaps = gaps_of(responses, shown)
     columns = []
@@ -170,7 +164,7 @@ def matrix(responses: Responses, shown: Sequence[Shown]) -> Floats:
 
 
 def cliques(tied: NDArray[np.bool_]) -> list[tuple[int, ...]]:
-    """Largest groups of which all pairs are tied, largest first [Bron1973]."""
+    """Return the largest groups of which all pairs are tied, largest first [Bron1973]."""
     neighbours = [set(np.flatnonzero(row).tolist()) - {i} for i, row in enumerate(tied)]
     found: list[tuple[int, ...]] = []
 
@@ -189,7 +183,7 @@ def cliques(tied: NDArray[np.bool_]) -> list[tuple[int, ...]]:
 
 
 def ties(factors: Floats, seen: Floats) -> NDArray[np.bool_]:
-    """Which pairs are tied: one of them is seen, and the other would do in its place."""
+    """Return True at tied pairs: one effect is seen, and the other would do in its place."""
     count = len(seen)
     found = np.zeros((count, count), dtype=bool)
     for i in range(count):
@@ -221,7 +215,7 @@ class VirtualExperiments:
         self.units: dict[str, str] = {}  # of signals
 
     def problem(self, runs: Mapping[str, Experiment]) -> Problem:
-        """Virtual records of runs."""
+        """Return the virtual records of runs."""
         records = {name: run.record(self.arm, self.step, self.alpha) for name, run in runs.items()}
         return Problem(self.arm, records, step=self.step, alpha=self.alpha, jobs=self.jobs)
 
