@@ -18,6 +18,7 @@ When the time is over, evidence alone decides: unfinished fits predict badly and
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cmp_to_key
 
@@ -26,7 +27,7 @@ import numpy as np
 from flexarm.budget import allows, current, until
 from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.alternatives import AlternativeModel, alternatives_of, without
-from flexarm.diagnosis.candidate import Candidate, is_required
+from flexarm.diagnosis.candidate import is_required
 from flexarm.diagnosis.candidates import cardan_joints, driven_joints, effect_count
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import explained_share, log_bayes_factor, log_odds_lost, press_rms
@@ -270,8 +271,10 @@ def backward(criteria: Criteria, best: Fit, estimator: Estimator) -> tuple[Fit, 
     """Return a model without the effects that the others made needless."""
     k = 0
     while len(best.members) > 1 and k < len(best.members):
-        rest = tuple(m for i, m in enumerate(best.members) if i != k)
-        fewer = None if is_required(rest, best.members[k]) else _fitted(estimator, rest, best)
+        rest, fewer = tuple(m for i, m in enumerate(best.members) if i != k), None
+        if not is_required(rest, best.members[k]):
+            with suppress(*FIT_ERRORS):
+                fewer = estimator.fit(rest, nearby=best)
         if fewer is None or criteria.accepts(best, fewer):
             k += 1
         elif not criteria.policy.allows("backward"):
@@ -314,10 +317,3 @@ def with_alternatives(state: SearchState, best: Fit, about: Estimator) -> Choice
         needed.append(log_bayes_factor(best, fewer or state.null, criteria.problem))
         shares.append(explained_share(best, fewer or state.null, criteria.problem))
     return Choice(state.null, best, about, alternatives, needed, shares)
-
-
-def _fitted(estimator: Estimator, members: tuple[Candidate, ...], nearby: Fit) -> Fit | None:
-    try:
-        return estimator.fit(members, nearby=nearby)
-    except FIT_ERRORS:
-        return None

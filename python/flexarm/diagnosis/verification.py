@@ -219,6 +219,11 @@ def verified(
     main = main_signal(records.training, before)
     pairs, pairs_after = ({name: found[name] for name in records.training} for found in (runs, runs_after))
     located_after = _located(pairs_after)
+    remainder = ""
+    if open_gap:
+        left = unexplained_residual(located_after) if located_after else None
+        swings = describe_free_decays(free_decays(pairs))
+        remainder = " ".join(said for said in (str(left or ""), swings) if said)
     return Verification(
         before,
         after,
@@ -226,7 +231,7 @@ def verified(
         stages(records.gaps, arm, updated, encoders, members, main, before, after),
         _located(pairs),
         located_after,
-        _remainder(pairs, located_after) if open_gap else "",
+        remainder,
         (
             *(f"{name}: {said}" for name, gap in after.items() for said in gap.aligned.overfitted),
             *noise_floor(pairs_after, step=records.step, alpha=records.alpha).notes,
@@ -237,10 +242,3 @@ def verified(
 def _located(pairs: Mapping[str, AlignedRecord]) -> Localisation | None:
     kinds = {pair.record.kind for pair in pairs.values()}
     return localise(pairs) if len(kinds) == 1 else None
-
-
-def _remainder(before: Mapping[str, AlignedRecord], after: Localisation | None) -> str:
-    """Return a description of an unexplained gap: the residual, and the free decay of the machine."""
-    left = unexplained_residual(after) if after else None
-    swings = describe_free_decays(free_decays(before))
-    return " ".join(said for said in (str(left or ""), swings) if said)

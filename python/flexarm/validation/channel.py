@@ -302,8 +302,10 @@ def channels(name: str, simulated: SimulatedRecord, placement: Placement) -> lis
 
 
 def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, signal: Signal) -> list[Channel]:
-    predicted = predicted_at(simulated, signal, placement)
-    measured = _matching_quaternions(signal, predicted)
+    predicted, measured = predicted_at(simulated, signal, placement), signal.values
+    if signal.quantity == "orientation":  # the nearer one of the two quaternions of the same orientation
+        same_side = np.sum(measured * predicted, axis=1, keepdims=True) >= 0
+        measured = np.where(same_side, measured, -measured)
     instants = simulated.instants(signal, placement)
     found = []
     for k, (regressors, prior_std) in enumerate(nuisance_regressors(simulated, signal, placement, predicted)):
@@ -343,11 +345,3 @@ def _driven(simulated: SimulatedRecord, instants: Floats) -> NDArray[np.bool_]:
     moving = np.any(rate > POLICY.moving_rate * np.max(rate, axis=0), axis=1)
     found: NDArray[np.bool_] = np.interp(instants, run.time, moving.astype(float)) > 0
     return found
-
-
-def _matching_quaternions(signal: Signal, predicted: Floats) -> Floats:
-    """Return the readings; of the two quaternions of one orientation the one nearer to the prediction."""
-    if signal.quantity != "orientation":
-        return signal.values
-    sign = np.sign(np.sum(signal.values * predicted, axis=1))
-    return signal.values * np.where(sign == 0, 1.0, sign)[:, None]

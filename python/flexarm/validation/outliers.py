@@ -159,18 +159,11 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     limit = np.maximum(least, NEARBY * nearby(size, far))
     limit[(far < 2) | (far >= len(rows) - 2)] *= POLICY.edge_ratio
     vibration = POLICY.unusual_ratio * np.broadcast_to(ringing, residual.shape)[rows]
-    here = vibration[far] * _share_out_of_phase(size, vibration, least)
-    found[rows[far]] = np.any(size[far] > np.maximum(limit, here), axis=1)
-    return found
-
-
-def _share_out_of_phase(size: Floats, vibration: Floats, least: Floats) -> float:
-    """Return `NEARBY` times the share of the predicted vibration that most rows miss, at most 1, of rows of
-    size (n, channels) where it exceeds the least distance of an outlier.
-    """
     rings = vibration > least
-    share = size[rings] / vibration[rings]
-    return min(NEARBY * float(np.quantile(share, MOST_OF_THEM)), 1.0) if len(share) else 1.0
+    missed = size[rings] / vibration[rings]  # share of the predicted vibration, where its phase is not right
+    phase = min(NEARBY * float(np.quantile(missed, MOST_OF_THEM)), 1.0) if len(missed) else 1.0
+    found[rows[far]] = np.any(size[far] > np.maximum(limit, phase * vibration[far]), axis=1)
+    return found
 
 
 def blank_rows(record: Record, name: str, rows: NDArray[np.bool_] | Sequence[int]) -> Record:

@@ -23,6 +23,7 @@ A simulation that begins at rest with a moving drive rings, which the arm did no
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import compress
 
 import numpy as np
 
@@ -89,19 +90,14 @@ def drop_missing_channels(name: str, record: Record) -> tuple[Record, list[str]]
         there = [bool(np.isfinite(column).any()) for column in signal.values.T]
         vector = signal.spec.channels is None and signal.quantity not in INPUTS
         if vector and any(there) and not all(there):
-            kept[signal.name] = _part(signal, there)
+            kept[signal.name] = signal.replace(
+                axes=tuple(compress(signal.axes, there)),
+                channels=tuple(compress(signal.channels, there)),
+                values=signal.values[:, there],
+            )
             lost = ", ".join(axis for axis, seen in zip(signal.axes, there, strict=True) if not seen)
             notes.append(f"{name}: {signal.name} holds no value along {lost}; the rest of it is compared")
     return record.replace(signals=kept) if notes else record, notes
-
-
-def _part(signal: Signal, wanted: list[bool]) -> Signal:
-    """Return a signal with some of its axes."""
-
-    def of(names: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(name for name, keep in zip(names, wanted, strict=False) if keep)
-
-    return signal.replace(axes=of(signal.axes), channels=of(signal.channels), values=signal.values[:, wanted])
 
 
 def remarks_on_clocks(
