@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -57,6 +57,17 @@ class AlignedRecord:
         moved = {self.record.signals[name].joint for name in self.record.drive}
         moved = moved or {joint.name for joint in self.simulated.simulation.arm.moving_joints}
         return moved.pop() if len(moved) == 1 else None
+
+
+def by_name(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> dict[str, AlignedRecord]:
+    """Return aligned records by name, a single one as "record".
+
+    Raise InvalidParameter if there is none.
+    """
+    records = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)
+    if not records:
+        raise InvalidParameter("needs at least one record beside its simulation, got none", where="pairs")
+    return records
 
 
 def simulate_record(

@@ -24,6 +24,7 @@ from flexarm.diagnosis.family import EffectFamily, clear_places
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.nuisance import known_loads
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.residual_rows import greatest_by_signal
 from flexarm.diagnosis.selection import Choice
 from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.named_effects import Alternative, NamedEffect, Place, Rejected
@@ -240,21 +241,14 @@ _SILENT = "no noise is stated, and its values are too few or too even to show it
 
 def noise_remarks(problem: Problem) -> Iterator[str]:
     """Yield a remark on each signal without a stated noise: the noise used, and what it does not align."""
-    shown: dict[str, float] = {}
-    for rows in problem.rows:
-        if not has_noise(_signal(problem, rows.record, rows.signal).noise_std):
-            shown[rows.signal] = max(shown.get(rows.signal, 0.0), rows.sigma)
-    for name, sigma in shown.items():
+    silent = (r for r in problem.rows if not has_noise(_signal(problem, r.record, r.signal).noise_std))
+    for name, sigma in greatest_by_signal(silent, lambda rows: rows.sigma).items():
         own = [(each, each.signals[name]) for each in problem.records.values() if name in each.signals]
-        places = list(
-            dict.fromkeys(
-                place for record, signal in own for place in uncertain_clock_and_frame(record, signal)
-            )
-        )
+        places = dict.fromkeys(place for pair in own for place in uncertain_clock_and_frame(*pair))
         noise = with_unit(sigma, own[0][1].unit, 2)
         text = f"no noise is stated for {name}: the {noise} that its values show count instead"
         if places:
-            text += f"; the gaps before and after are not aligned by it, in {listed(places)}"
+            text += f"; the gaps before and after are not aligned by it, in {listed(list(places))}"
         yield text
 
 

@@ -48,7 +48,7 @@ from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
 from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.diagnosis.problem import Problem, extrapolated
-from flexarm.diagnosis.residual_rows import is_non_smooth
+from flexarm.diagnosis.residual_rows import greatest_by_signal, is_non_smooth
 from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.encoder import quantised
@@ -111,9 +111,7 @@ def allow_for_input_noise(problem: Problem, arm: Arm) -> None:
 
 def input_noise_by_signal(problem: Problem) -> dict[str, float]:
     """Return input noise over the own noise of each signal, where it exceeds `NOISE_MODEL.reported`."""
-    most: dict[str, float] = {}
-    for each in problem.rows:
-        most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.input_noise))
+    most = greatest_by_signal(problem.rows, lambda rows: sqrt(rows.input_noise))
     return {signal: size for signal, size in most.items() if size > NOISE_MODEL.reported}
 
 
@@ -223,9 +221,7 @@ def allow_for_discretisation_error(problem: Problem, arm: Arm) -> None:
 
 def discretisation_remarks(problem: Problem) -> list[str]:
     """Return a remark on signals for which no step is fine enough, if there are any."""
-    most: dict[str, float] = {}
-    for each in problem.rows:
-        most[each.signal] = max(most.get(each.signal, 0.0), sqrt(each.discretisation_error))
+    most = greatest_by_signal(problem.rows, lambda rows: sqrt(rows.discretisation_error))
     sizes = {signal: size for signal, size in most.items() if size > NOISE_MODEL.negligible}
     said = "no time step is fine enough for what bounces: half of it moves"
     return [f"{said} {times_noise(sizes)}, which is no gap"] if sizes else []

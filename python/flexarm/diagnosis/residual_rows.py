@@ -114,6 +114,14 @@ def rows_left(rows: Iterable[Rows], out: NDArray[np.bool_]) -> Iterator[Rows]:
         start = stop
 
 
+def greatest_by_signal(rows: Iterable[Rows], size: Callable[[Rows], float]) -> dict[str, float]:
+    """Return the greatest size of the channels of each signal, in all records, at least 0."""
+    found: dict[str, float] = {}
+    for each in rows:
+        found[each.signal] = max(found.get(each.signal, 0.0), size(each))
+    return found
+
+
 def noise_of_poses(name: str, signal: Signal, residual: Floats) -> float:
     """1 sigma of each channel of a signal of a record, from rows of one pose.
 

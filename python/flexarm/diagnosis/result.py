@@ -32,7 +32,6 @@ from flexarm.wording import scale, signed
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.comparison.comparison import Comparison
-    from flexarm.diagnosis.problem import Problem
     from flexarm.record import Record
     from flexarm.residual_analysis.localisation import Localisation
     from flexarm.viewer import View
@@ -87,14 +86,6 @@ def adequate_if_predicted(d: Diagnosis, no_gap: Mapping[str, float], swings: boo
         return d
     said = contradicted_sentence(worst)
     return replace(d, verdict="unexplained", remainder=" ".join(filter(None, (said, d.remainder))))
-
-
-def explained_squares(problem: Problem, non_smooth: bool) -> dict[str, float]:
-    """Return the mean square of input noise and discretisation error over that of the noise, by signal."""
-    found: dict[str, float] = {}
-    for each in problem.rows:
-        found[each.signal] = max(found.get(each.signal, 0.0), each.explained_square(non_smooth))
-    return found
 
 
 def held_out_gaps(d: Diagnosis) -> list[HeldOutGap]:

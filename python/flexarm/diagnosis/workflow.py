@@ -43,7 +43,8 @@ from flexarm.diagnosis.noise_model import (
 from flexarm.diagnosis.nuisance import counted_from_stamps, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.result import Diagnosis, Verdict, adequate_if_predicted, explained_squares
+from flexarm.diagnosis.residual_rows import greatest_by_signal
+from flexarm.diagnosis.result import Diagnosis, Verdict, adequate_if_predicted
 from flexarm.diagnosis.screening import probe
 from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.sensors import (
@@ -272,7 +273,7 @@ def _diagnosis(
         located_after=seen.located_after,
         laws=missing.curves,
     )
-    no_gap = explained_squares(problem, choice.best.non_smooth)
+    no_gap = greatest_by_signal(problem.rows, lambda rows: rows.explained_square(choice.best.non_smooth))
     return adequate_if_predicted(told, no_gap, bool(problem.initial_conditions))
 
 

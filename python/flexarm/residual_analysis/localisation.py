@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.comparison.aligned_record import AlignedRecord
+from flexarm.comparison.aligned_record import AlignedRecord, by_name
 from flexarm.errors import InvalidParameter
 from flexarm.pictures import Shown
 from flexarm.residual_analysis.joint_rotations import JointRotations, joint_rotations
@@ -266,9 +266,7 @@ def localise(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Localisation
 
     >>> print(localise({"train_a": simulate_record(arm, record)}))  # doctest: +SKIP
     """
-    records = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)
-    if not records:
-        raise InvalidParameter("needs at least one record beside its simulation, got none", where="pairs")
+    records = by_name(pairs)
     kinds = {pair.record.kind: name for name, pair in records.items()}
     if len(kinds) > 1:
         raise InvalidParameter(

@@ -35,10 +35,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
+from flexarm.comparison.aligned_record import AlignedRecord, by_name, simulate_record
 from flexarm.comparison.bands import band_split
 from flexarm.comparison.step_check import change, step_note
-from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.errors import NotConverged
 from flexarm.measurement.outliers import outliers
 from flexarm.pictures import Shown
 from flexarm.record import Signal
@@ -290,9 +290,7 @@ def noise_floor(
     InvalidParameter
         If there is no record.
     """
-    records = {"record": pairs} if isinstance(pairs, AlignedRecord) else dict(pairs)
-    if not records:
-        raise InvalidParameter("needs at least one record beside its simulation, got none", where="pairs")
+    records = by_name(pairs)
 
     def speed(name: str) -> float:
         """Return the greatest rms rate of a drive [rad/s]; the number of poses."""
