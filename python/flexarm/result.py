@@ -52,12 +52,15 @@ class Result(OfArm, Shown, ABC):
 
     @takes(path=PATH)
     def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
-        """Write the result as NetCDF, with the model it was made with.
+        """Write the result as NetCDF, whose name ends in .nc, with the model it was made with.
 
         A file of that name is replaced, unless it is an input or a super-element of the model.
 
-        Raise InvalidFile if the file cannot be written.
+        Raise InvalidFile if the name ends otherwise or the file cannot be written.
         """
+        if Path(path).suffix != ".nc":
+            what = f"must end in .nc, got {Path(path).name}; `dataset.to_dataframe()` gives a table"
+            raise InvalidFile(path, "path", what)
         save(self.contents(), path, [*self.arm.part_files, *inputs])
 
 

@@ -62,6 +62,7 @@ def test_the_directory_holds_nothing_else_and_tells_what_ran(simulated, tmp_path
     assert set(record["inputs_sha256"]) == {"arm.toml", "swing.csv"}
     assert record["versions"]["flexarm"] == flexarm.__version__
     assert flexarm.Campaign.load(tmp_path / "out").record == record
+    assert repr(done).endswith(f": 16 runs, 16 ok, 0 failed: {record['run_seconds']:.1f} s of computing>")
 
 
 def test_a_record_that_lacks_its_counts_is_refused(tmp_path):

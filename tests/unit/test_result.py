@@ -35,6 +35,13 @@ def test_saving_replaces_and_leaves_no_other_file(found, tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["modes.nc"]
 
 
+def test_a_name_that_would_not_be_opened_again_is_refused(found, tmp_path):
+    """A run.csv of NetCDF is no table, and `flexarm.load` goes by the ending."""
+    with pytest.raises(InvalidFile, match=r"must end in \.nc, got run\.csv; .*to_dataframe"):
+        found.save(tmp_path / "run.csv")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_an_unwritable_place_is_named_and_left_clean(found, tmp_path):
     with pytest.raises(InvalidFile, match=r"absent/modes\.nc: output: cannot be written"):
         found.save(tmp_path / "absent" / "modes.nc")

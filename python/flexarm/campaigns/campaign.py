@@ -55,7 +55,10 @@ class Campaign(Shown):
     """
 
     directory: Path
-    record: dict[str, Any] = field(repr=False)
+    record: dict[str, Any]
+
+    def __repr__(self) -> str:
+        return f"<Campaign in {str(self.directory)!r}: {self.summary().splitlines()[0]}>"
 
     @property
     def dataset(self) -> xr.Dataset:

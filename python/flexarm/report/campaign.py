@@ -31,6 +31,7 @@ def page(findings: Findings, record: Mapping[str, Any]) -> str:
         record=record,
         headline=list(_headline(findings)),
         targets=[_target_row(each) for each in findings.targets],
+        has_nominal=any(each.nominal is not None for each in findings.targets),
         indices=[_index_rows(findings, each) for each in findings.targets if each.indices is not None],
         total=_has_total(findings.targets),
         costs=[_cost_rows(findings, each) for each in findings.costs],
