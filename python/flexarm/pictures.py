@@ -30,3 +30,14 @@ class Shown:
         from html import escape  # not before a notebook asks
 
         return f"<pre>{escape(getattr(self, 'summary', self.__repr__)())}</pre>"
+
+
+class Summarised(Shown):
+    """Base of results that print as their summary."""
+
+    def summary(self) -> str:
+        """Return the result as text."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return self.summary()

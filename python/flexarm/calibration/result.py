@@ -16,7 +16,7 @@ from flexarm.calibration.estimates import CalibratedFamily, CalibratedFrame, Cal
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
-from flexarm.pictures import Shown
+from flexarm.pictures import Summarised
 from flexarm.report.before_after import BeforeAfter
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Calibration(BeforeAfter, SavedAsDirectory, Shown):
+class Calibration(BeforeAfter, SavedAsDirectory, Summarised):
     """The result of `calibrate`.
 
     Attributes
@@ -151,6 +151,3 @@ class Calibration(BeforeAfter, SavedAsDirectory, Shown):
         from flexarm.report.calibration import write
 
         write(self, directory, model)
-
-    def __repr__(self) -> str:
-        return self.summary()

@@ -15,7 +15,7 @@ from flexarm.comparison.align import Alignment
 from flexarm.comparison.gap import SignalGap
 from flexarm.errors import InvalidParameter
 from flexarm.json_values import plain
-from flexarm.pictures import Shown
+from flexarm.pictures import Summarised
 from flexarm.wording import number, scale
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison(Shown):
+class Comparison(Summarised):
     """Hold the gap between a model and a record.
 
     Attributes
@@ -166,9 +166,6 @@ class Comparison(Shown):
         )
         axes.legend()
         return axes
-
-    def __repr__(self) -> str:
-        return self.summary()
 
 
 def frame_words(name: str, pose: tuple[list[float], list[float]]) -> str:

@@ -27,7 +27,7 @@ from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
 from flexarm.measurement.torque import gear_ratio
 from flexarm.modal import modes
-from flexarm.pictures import Shown
+from flexarm.pictures import Summarised
 from flexarm.quantities import channel_names
 from flexarm.record.compatibility import unplaced_effects
 
@@ -110,7 +110,7 @@ class ResponseGap:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ResponseComparison(Shown):
+class ResponseComparison(Summarised):
     """Hold the gap between a model and a record of frequency responses."""
 
     arm: str
@@ -171,9 +171,6 @@ class ResponseComparison(Shown):
         axes.set(xlabel="frequency [Hz]", ylabel=f"|{gap.name} / {gap.input}| [{gap.unit}]")
         axes.legend()
         return axes
-
-    def __repr__(self) -> str:
-        return self.summary()
 
 
 @takes(arm=ARM, record=RECORD)

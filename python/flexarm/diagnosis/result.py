@@ -24,7 +24,7 @@ from flexarm.fit_statistics import FitStatistics
 from flexarm.law_curve import LawCurve
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
-from flexarm.pictures import Shown, viewed
+from flexarm.pictures import Summarised, viewed
 from flexarm.report.before_after import BeforeAfter
 from flexarm.report.sentences import contradicted_sentence
 from flexarm.wording import scale, signed
@@ -161,7 +161,7 @@ Verdict = Literal["effects", "adequate", "unexplained", "unusable"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Diagnosis(BeforeAfter, SavedAsDirectory, Shown):
+class Diagnosis(BeforeAfter, SavedAsDirectory, Summarised):
     """The result of `diagnose`.
 
     Attributes
@@ -326,6 +326,3 @@ class Diagnosis(BeforeAfter, SavedAsDirectory, Shown):
         from flexarm.report.diagnosis import write  # draws this; so it is imported when it is asked for
 
         write(self, directory, model)
-
-    def __repr__(self) -> str:
-        return self.summary()

@@ -34,7 +34,7 @@ import numpy as np
 
 from flexarm.comparison.aligned_record import AlignedRecord, by_name
 from flexarm.errors import InvalidParameter
-from flexarm.pictures import Shown
+from flexarm.pictures import Summarised
 from flexarm.residual_analysis.joint_rotations import JointRotations, joint_rotations
 from flexarm.residual_analysis.motion_states import (
     CONSTANT,
@@ -194,7 +194,7 @@ def concentration(cell: Cell, whole: Cell) -> float:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Localisation(Shown):
+class Localisation(Summarised):
     """Where the residual lies."""
 
     cells: tuple[Cell, ...]
@@ -253,9 +253,6 @@ class Localisation(Shown):
         from flexarm.report.state_figures import gap_figure
 
         return gap_figure(self, signal=signal)
-
-    def __repr__(self) -> str:
-        return self.summary()
 
 
 def localise(pairs: Mapping[str, AlignedRecord] | AlignedRecord) -> Localisation:

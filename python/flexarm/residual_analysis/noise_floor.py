@@ -40,7 +40,7 @@ from flexarm.comparison.bands import band_split
 from flexarm.comparison.step_check import change, step_note
 from flexarm.errors import NotConverged
 from flexarm.measurement.outliers import outliers
-from flexarm.pictures import Shown
+from flexarm.pictures import Summarised
 from flexarm.record import Signal
 from flexarm.residual_analysis.policy import POLICY
 from flexarm.wording import with_unit
@@ -188,7 +188,7 @@ class SignalFloor:
 
 
 @dataclass(frozen=True, repr=False)
-class NoiseFloor(Shown):
+class NoiseFloor(Summarised):
     """Noise floor of every signal."""
 
     signals: tuple[SignalFloor, ...]
@@ -260,9 +260,6 @@ class NoiseFloor(Shown):
         axes.set_xticks(np.arange(len(shown)), [f"{each.signal}\n{each.record}" for each in shown])
         axes.legend()
         return axes
-
-    def __repr__(self) -> str:
-        return self.summary()
 
 
 def noise_floor(

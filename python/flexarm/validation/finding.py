@@ -31,7 +31,7 @@ import numpy as np
 from flexarm.arm.effect import Effect
 from flexarm.measurement.outliers import row_list
 from flexarm.named_effects import Alternative, Estimate, NamedEffect, place_text
-from flexarm.pictures import Shown
+from flexarm.pictures import Summarised
 from flexarm.quantities import channel_names
 from flexarm.record import Record
 from flexarm.validation.channel import Channel, effective_samples
@@ -157,7 +157,7 @@ class RemovedOutliers:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ValidationResult(Shown):
+class ValidationResult(Summarised):
     """Hold the result of `check`."""
 
     records: Mapping[str, Record]
@@ -220,9 +220,6 @@ class ValidationResult(Shown):
         if not self.judged:
             return "no sensor can be judged: nothing is compared with the model"
         return "no sensor is at fault"
-
-    def __repr__(self) -> str:
-        return self.summary()
 
 
 @dataclass(frozen=True, eq=False)

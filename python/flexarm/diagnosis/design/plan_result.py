@@ -17,7 +17,7 @@ from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.settings import DESIGN
 from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
-from flexarm.pictures import Shown
+from flexarm.pictures import Summarised
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -133,7 +133,7 @@ class Tie:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Plan(SavedAsDirectory, Shown):
+class Plan(SavedAsDirectory, Summarised):
     """The effects that an experiment could separate.
 
     Attributes
@@ -221,9 +221,6 @@ class Plan(SavedAsDirectory, Shown):
         from flexarm.report.plan import summary
 
         return summary(self)
-
-    def __repr__(self) -> str:
-        return self.summary()
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the object of `plan.json`; what is infinite becomes null."""
