@@ -28,8 +28,8 @@ from blind_table import wilson
 from flexarm import Arm, Clock, Drive, Record, Sensor, measure, simulate
 from flexarm.arm.link import Link
 from flexarm.arm.parameter import with_value
-from flexarm.calibration.estimation import posterior_of
 from flexarm.calibration.intervals import marginals
+from flexarm.calibration.optimum import posterior_of
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.calibration.workflow import estimation_of
 from flexarm.diagnosis.noise_model import SEED

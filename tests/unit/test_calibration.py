@@ -298,7 +298,7 @@ def test_counts_of_the_drive_widen_intervals_beside_an_accelerometer(seed):
     found = flexarm.calibrate(nominal, {"swing": counted_swing(true, seed)}, n_jobs=1)
     for name, value in (("stiffness", 6e4), ("damping", 120.0)):
         estimate = found.parameter(key + name)
-        assert abs(estimate.value - value) < 3 * estimate.std
+        assert abs(estimate.value - value) < 3.5 * estimate.std
         assert estimate.determined
 
 

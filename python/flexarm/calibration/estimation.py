@@ -11,24 +11,24 @@ is minimised by Levenberg-Marquardt steps [Marquardt1963],
 with lambda = 0 first. The Jacobian J of a step serves the next one too where it predicted the change of r.
 Where it did not, a second step with the same J follows, which bends the path along a curved valley of (1):
 stiffness and modulus that share a compliance have one. An estimate has converged where a step moves nothing
-by more than a fifth of its sigma and lowers (1) by less than the square of that. W is that of
-`diagnosis.discrepancy`, eq. (4). The covariance of the estimates contains all errors, as in a diagnosis
+by more than a fifth of its sigma and lowers the objective by less than the square of that. W is that of
+`calibration.discrepancy`, eq. (4). The covariance of the estimates contains all errors, as in a diagnosis
 (`diagnosis.uncertainty`):
 
 .. math:: V = H^{-1} (J^T W C W J + P) H^{-1} + \frac{1}{K} \sum_k (H^{-1} J^T W e_k)(H^{-1} J^T W e_k)^T (3)
 
-with C of noise and discrepancy, and e_k the responses to draws of input noise; errors of the simulation come
-on top.
+with C of noise and discrepancy, and e_k the responses to draws of input noise.
 
-A family is fitted with one shared size first: du = A dv, with a column of A for the family and one for each
-other parameter. Its spread is estimated along with the members after that.
+With a basis A, steps are du = A dv: a family with one shared size has one column. Its spread is estimated
+along with the members after that (`calibration.optimum`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,19 +36,23 @@ from flexarm.arm import Arm
 from flexarm.arm.parameter import with_value
 from flexarm.arrays import Floats
 from flexarm.budget import allows
+from flexarm.calibration.discrepancy import Channel, Process, channels_of
 from flexarm.calibration.families import Family
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
-from flexarm.diagnosis.discrepancy import Discrepancy
-from flexarm.diagnosis.evidence import by_channel, discrepancies_of, simulation_errors
-from flexarm.diagnosis.fit import FIT_ERRORS, NormalEquations, Projection
+from flexarm.diagnosis.fit import FIT_ERRORS, NormalEquations
 from flexarm.diagnosis.noise_model import input_noise_errors
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import is_non_smooth
-from flexarm.diagnosis.uncertainty import robust_covariance, surrogates
+from flexarm.diagnosis.uncertainty import robust_covariance
+
+if TYPE_CHECKING:
+    from flexarm.calibration.valley import Valley
 
 Tell = Callable[[str], object]
 """Gets what is being done."""
+REST = "the estimates came to rest"
+"""What a budget of time may end before."""
 
 
 @dataclass(eq=False)
@@ -64,6 +68,8 @@ class Estimation:
     """Some of the parameters, by family."""
     policy: CalibrationPolicy
     """Tolerances and limits of the steps."""
+    white: bool = False
+    """True if the model's discrepancy has no correlation."""
 
     def model(self, u: Floats) -> Arm:
         """Return the arm with these values."""
@@ -129,40 +135,68 @@ class Estimation:
             )
         return replace(self, families=tuple(families))
 
-    def weighting(self, residual: Floats, input_errors: Floats) -> Weighting:
-        """Return W of (1) and C of (3), given a residual."""
-        discrepancies = discrepancies_of(residual, self.problem, is_non_smooth(self.arm), input_errors)
-        return Weighting(self.problem, discrepancies, input_errors)
+    def prior_deviance(self, u: Floats) -> float:
+        """Return the second term of (1)."""
+        return float((u - self.centre) @ self.precision() @ (u - self.centre))
+
+    def weighting(self, residual: Floats, input_errors: Floats, spread: Floats) -> Weighting:
+        """Return W of (1) and C of (3) given a residual that has a spread J R, R R^T = H^-1."""
+        channels = channels_of(self.problem, is_non_smooth(self.arm), input_errors, self.white)
+        places = [where for _, where in self.problem.channels()]
+        return Weighting.of(places, channels, residual, input_errors, spread)
 
 
 @dataclass(frozen=True, eq=False)
 class Weighting:
-    """W of (1) and C of (3)."""
+    """Deviance of residuals, W of (1) and C of (3)."""
 
-    problem: Problem
-    discrepancies: tuple[Discrepancy, ...]
-    """Of each channel."""
+    places: Sequence[slice]
+    """Rows of each channel."""
+    channels: Sequence[Channel]
+    hidden: Sequence[Floats]
+    """Expected squares that the estimates hide, of each channel."""
+    processes: Sequence[Process]
     input_errors: Floats
     """e_k of (3), shape (draws, n)."""
 
+    @classmethod
+    def of(
+        cls,
+        places: Sequence[slice],
+        channels: Sequence[Channel],
+        residual: Floats,
+        input_errors: Floats,
+        spread: Floats,
+    ) -> Weighting:
+        """Return the weighting of channels given a residual that has a spread J R, R R^T = H^-1."""
+        hidden = [each.transform.squares(spread[where]) for each, where in zip(channels, places, strict=True)]
+        found = cls(places, channels, hidden, (), input_errors)
+        processes = [each.process(squares) for each, squares in found.squares(residual)]
+        return replace(found, processes=tuple(processes))
+
+    def squares(self, residual: Floats) -> Iterator[tuple[Channel, Floats]]:
+        """Yield each channel with expected squares of a residual of shape (n,)."""
+        for each, where, hidden in zip(self.channels, self.places, self.hidden, strict=True):
+            yield each, each.transform.squares(residual[where]) + hidden
+
     def root(self, values: Floats) -> Floats:
         """Return the root of W times values of shape (n, ...)."""
-        return by_channel(lambda each, rows: each.weighted(rows), values, self.problem, self.discrepancies)
+        found = np.empty_like(values)
+        for each, where in zip(self.processes, self.places, strict=True):
+            found[where] = each.root(values[where])
+        return found
 
-    def robust(self, jacobian: Floats, prior: Floats, inverse: Floats) -> Floats:
-        """Return V of (3) from J, P and H^-1, without errors of the simulation."""
-        weighted = self.root(self.root(jacobian))
-        correlated = by_channel(
-            lambda each, rows: each.times(rows), weighted, self.problem, self.discrepancies
-        )
-        return robust_covariance(weighted, correlated, prior, inverse, self.input_errors)
+    def times(self, values: Floats) -> Floats:
+        """Return C times values of shape (n, ...)."""
+        found = np.empty_like(values)
+        for each, where in zip(self.processes, self.places, strict=True):
+            found[where] = each.times(values[where])
+        return found
 
     def covariance(self, jacobian: Floats, prior: Floats, inverse: Floats) -> Floats:
         """Return V of (3) from J, P and H^-1."""
-        size = simulation_errors(self.problem, False)
-        depends = self.root(self.root(jacobian)) @ inverse
-        errors = surrogates(self.problem, jacobian, depends, size)
-        return self.robust(jacobian, prior, inverse) + np.diag(errors**2)
+        weighted = self.root(self.root(jacobian))
+        return robust_covariance(weighted, self.times(weighted), prior, inverse, self.input_errors)
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,6 +230,8 @@ class Posterior:
     """Of the last step, in sigmas, shape (m,)."""
     iterations: int
     """Number of linearisations."""
+    valley: Valley | None = None
+    """Profile in the worst direction, where that is curved."""
 
     @property
     def largest_move(self) -> float:
@@ -207,31 +243,25 @@ class Posterior:
         """Return True if the last step moved nothing beyond the tolerance."""
         return self.largest_move < self.estimation.policy.tolerance
 
+    @property
+    def inflation(self) -> Floats:
+        """Return the long-run variance of each channel's noise and discrepancy over that of the noise."""
+        return np.array([each.level for each in self.weighting.processes])
 
-def multi_start(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
-    """Return u with the shared size of each family in turn at the best of a grid.
+    @property
+    def leaves_gap(self) -> bool:
+        """Return True if some channel's residual exceeds its noise."""
+        return bool(self.inflation.max(initial=0.0) > self.estimation.policy.inflated)
 
-    All else is fitted along to first order.
-    """
-    policy = estimation.policy
-    for family in (family for family in estimation.families if family.hierarchy.shared):
-        tell(f"sizes of {family.effect}")
-        columns = estimation.columns(family)
-        others = [k for k in range(len(u)) if k not in columns]
-        jacobian = estimation.linearised(u).jacobian
-        sigma = np.array([estimation.parameters[k].sigma for k in others])
-        projection = Projection(jacobian[:, others], sigma)
-        prior = family.hierarchy.prior
-        low, high = prior.low / policy.range_factor, prior.high * policy.range_factor
-        tried = [(np.inf, u)]
-        for size in np.log(np.geomspace(low, high, policy.sizes)):
-            start = u.copy()
-            start[columns] = size
-            with suppress(*FIT_ERRORS):
-                rest = projection.project(estimation.residual(start, jacobian))
-                tried.append((float(rest @ rest), start))
-        u = min(tried, key=lambda each: each[0])[1]
-    return u
+    @property
+    def negligible(self) -> float:
+        """Return the fall of (1) that estimates at rest may miss."""
+        return len(self.point.u) * self.estimation.policy.tolerance**2
+
+    def objective(self, u: Floats, residual: Floats | None = None) -> float:
+        """Return (1) with W of this posterior."""
+        r = self.estimation.residual(u, self.point.jacobian) if residual is None else residual
+        return float(np.sum(self.weighting.root(r) ** 2)) + self.estimation.prior_deviance(u)
 
 
 def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None = None) -> Posterior:
@@ -243,13 +273,14 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
     """
     policy, centre = estimation.policy, estimation.centre
     A = np.eye(len(u)) if basis is None else basis
-    point = estimation.linearised(u)
+    point, spread = estimation.linearised(u), np.zeros((len(estimation.problem), 1))
     for count in range(1, policy.iterations + 1):
         P = estimation.precision()
-        weighting = estimation.weighting(point.residual, point.input_errors)
+        weighting = estimation.weighting(point.residual, point.input_errors, spread)
         step = _step(point, weighting, P, centre, A, 0.0)
-        weighting = estimation.weighting(point.residual + point.jacobian @ step, point.input_errors)
-        inverse = A @ NormalEquations.of(weighting.root(point.jacobian @ A), A.T @ P @ A).inverse() @ A.T
+        weighting = estimation.weighting(point.residual + point.jacobian @ step, point.input_errors, spread)
+        R = A @ NormalEquations.of(weighting.root(point.jacobian @ A), A.T @ P @ A).root()
+        inverse, spread = R @ R.T, point.jacobian @ R
         covariance = weighting.covariance(point.jacobian, P, inverse)
         step, residual, lowered = damped_step(estimation, point, weighting, P, centre, A)
         sigmas = step / np.sqrt(np.maximum(np.diag(covariance), 1e-300))
@@ -259,7 +290,7 @@ def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None
         converged = found.largest_move < policy.tolerance and lowered < policy.tolerance**2
         if (converged and point.exact) or count == policy.iterations:
             break
-        if not allows("the estimates came to rest"):
+        if not allows(REST):
             break
         linear = not converged and _is_linear(point, step, residual, policy)
         u = point.u + step
@@ -299,18 +330,20 @@ def damped_step(
     def objective(u: Floats, residual: Floats) -> float:
         return float(np.sum(weighting.root(residual) ** 2) + (u - centre) @ P @ (u - centre))
 
+    def limited(step: Floats) -> Floats:
+        longest = float(np.abs(step[logarithmic]).max(initial=0.0))
+        return step * min(1.0, policy.longest_step / max(longest, 1e-300))
+
     before, damping = objective(point.u, point.residual), 0.0
     for _ in range(policy.trials):
-        step = _step(point, weighting, P, centre, A, damping)
-        longest = float(np.abs(step[logarithmic]).max(initial=0.0))
-        step *= min(1.0, policy.longest_step / max(longest, 1e-300))
+        step = limited(_step(point, weighting, P, centre, A, damping))
         tried = [(np.inf, step, point.residual)]
         with suppress(*FIT_ERRORS):
             residual = estimation.residual(point.u + step, point.jacobian)
             tried.append((objective(point.u + step, residual), step, residual))
             if not _is_linear(point, step, residual, policy):
                 moved = replace(point, u=point.u + step, residual=residual)
-                bent = step + _step(moved, weighting, P, centre, A, damping)
+                bent = step + limited(_step(moved, weighting, P, centre, A, damping))
                 residual = estimation.residual(point.u + bent, point.jacobian)
                 tried.append((objective(point.u + bent, residual), bent, residual))
         least, step, residual = min(tried, key=lambda each: each[0])
@@ -318,14 +351,3 @@ def damped_step(
             return step, residual, before - least
         damping = 10 * damping or policy.damping
     return np.zeros_like(point.u), point.residual, 0.0
-
-
-def posterior_of(estimation: Estimation, tell: Tell) -> Posterior:
-    """Return the estimate of all parameters; families start from shared sizes."""
-    u, policy = estimation.centre, estimation.policy
-    if any(family.hierarchy.shared for family in estimation.families):
-        u = multi_start(estimation, u, tell)
-        brief = replace(policy, tolerance=policy.tolerance_first, iterations=policy.iterations_first)
-        start, basis = replace(estimation, policy=brief), estimation.shared_columns()
-        u = estimate(start, u, lambda what: tell(f"shared sizes, {what}"), basis).point.u
-    return estimate(estimation, u, tell)

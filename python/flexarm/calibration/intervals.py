@@ -32,7 +32,6 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.calibration.estimates import OneSided
-from flexarm.calibration.valley import valley_of
 from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.named_effects import NORMAL_90
 
@@ -71,7 +70,7 @@ class Marginal:
 def marginals(posterior: Posterior) -> list[Marginal]:
     """Return the posterior of each parameter."""
     found = [_marginal(posterior, k) for k in range(len(posterior.point.u))]
-    valley, policy = valley_of(posterior), posterior.estimation.policy
+    valley, policy = posterior.valley, posterior.estimation.policy
     if valley is None:
         return found
     return [

@@ -38,6 +38,12 @@ class CalibrationPolicy(FamilyPolicy):
     """Part [-] of a step's change that derivatives may miss and are still used for the next step."""
     iterations: int = 30
     """Most linearisations of one estimation [1]."""
+    restarts: int = 6
+    """Most estimations [1], each from a lower point of the valley of the one before."""
+    draws: int = 40
+    """Draws from the prior [1] that are simulated for other starts where a gap stays."""
+    starts: int = 3
+    """The best of them [1], from which estimations start."""
     longest_step: float = 1.5
     """Longest step of a logarithm [-]: a linearisation holds no further."""
     damping: float = 1e-3

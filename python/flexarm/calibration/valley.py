@@ -40,8 +40,15 @@ class Valley:
     u: Floats
     variance: Floats
     """u(t) and the diagonal of V(t) of (2), shape (n, m)."""
+    objective: Floats
+    """F(t), shape (n,)."""
     log_density: Floats
     """ln p(t) of (2) but for a constant, shape (n,)."""
+
+    def lower(self, least: float) -> Floats | None:
+        """Return u where F is lowest, if it is lower there than at t = 0 by more than `least`."""
+        k = int(np.argmin(self.objective))
+        return self.u[k] if self.objective[k] < float(self.objective[self.t == 0][0]) - least else None
 
     def spread(self, k: int) -> float:
         """Return the variance of u_k(t)."""
@@ -84,8 +91,8 @@ def valley_of(posterior: Posterior) -> Valley | None:
         return None
     try:
         d = worst_direction(posterior)
-        ends = [_objective(posterior, posterior.point.u + t * d) for t in (-NORMAL_90, NORMAL_90)]
-        rise = (np.array(ends) - _objective(posterior, posterior.point.u)) / NORMAL_90**2
+        ends = [posterior.objective(posterior.point.u + t * d) for t in (-NORMAL_90, NORMAL_90)]
+        rise = (np.array(ends) - posterior.objective(posterior.point.u)) / NORMAL_90**2
         if np.abs(rise - 1).max() <= posterior.estimation.policy.curved:
             return None
         return _traced(posterior, d)
@@ -93,23 +100,17 @@ def valley_of(posterior: Posterior) -> Valley | None:
         return None
 
 
-def _objective(posterior: Posterior, u: Floats, residual: Floats | None = None) -> float:
-    """Return F."""
-    estimation = posterior.estimation
-    r = estimation.residual(u, posterior.point.jacobian) if residual is None else residual
-    off = u - estimation.centre
-    return float(np.sum(posterior.weighting.root(r) ** 2) + off @ estimation.precision() @ off)
-
-
 def _traced(posterior: Posterior, d: Floats) -> Valley:
-    """Return the profile to both sides, as far as (2) has probability, at most `CalibrationPolicy.reach`."""
+    """Return the profile to both sides, as far as (2) has probability, at most `CalibrationPolicy.reach`, or
+    to a lower point.
+    """
     estimation, weighting, u0 = posterior.estimation, posterior.weighting, posterior.point.u
     policy, P = estimation.policy, estimation.precision()
     sigma = np.sqrt(np.diag(posterior.inverse))
     H = np.linalg.inv(posterior.inverse / np.outer(sigma, sigma)) / np.outer(sigma, sigma)
     a = H @ d
     A = sigma[:, None] * np.linalg.svd((a * sigma)[None])[2][1:].T  # a^T A = 0
-    rho = float(a @ weighting.robust(posterior.point.jacobian, P, posterior.inverse) @ a)
+    rho = float(a @ weighting.covariance(posterior.point.jacobian, P, posterior.inverse) @ a)
 
     def at(start: Floats) -> tuple[Floats, float, Floats, float]:
         """Return u(t), F(t), V(t) and ln p(t) from a start with this t."""
@@ -118,18 +119,21 @@ def _traced(posterior: Posterior, d: Floats) -> Valley:
         J = weighting.root(point.jacobian @ A)
         normal = J.T @ J + A.T @ P @ A
         inverse = A @ np.linalg.inv(normal) @ A.T
-        F = _objective(posterior, start + step, residual)
+        F = posterior.objective(start + step, residual)
         own = replace(weighting, input_errors=point.input_errors)
         variance = np.diag(own.covariance(point.jacobian, P, inverse))
         return start + step, F, variance, -F / (2 * rho) - float(np.linalg.slogdet(normal)[1]) / 2
 
     found = {0.0: at(u0)}
+    false = found[0.0][1] - posterior.negligible
     for side in (-1.0, 1.0):
         move, u, t = side * d, found[0.0][0], 0.0
-        while abs(t) < policy.reach and found[t][3] > max(each[3] for each in found.values()) - policy.lost:
+        most = max(each[3] for each in found.values())
+        while abs(t) < policy.reach and found[t][1] > false and found[t][3] > most - policy.lost:
+            most = max(most, found[t][3])
             t += side
             found[t] = at(u + move)
             move, u = found[t][0] - u, found[t][0]
     order = sorted(found)
-    u, _, variance, log_density = (np.array([found[t][k] for t in order]) for k in range(4))
-    return Valley(np.array(order), u, variance, log_density)
+    u, objective, variance, log_density = (np.array([found[t][k] for t in order]) for k in range(4))
+    return Valley(np.array(order), u, variance, objective, log_density)

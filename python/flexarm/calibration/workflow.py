@@ -22,9 +22,10 @@ from flexarm.calibration.estimates import (
     ChiSquare,
     Range,
 )
-from flexarm.calibration.estimation import Estimation, Posterior, posterior_of
+from flexarm.calibration.estimation import Estimation, Posterior
 from flexarm.calibration.families import Family, family_kinds, with_families
 from flexarm.calibration.intervals import Marginal, marginals, own_prior
+from flexarm.calibration.optimum import posterior_of
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.calibration.result import Calibration
@@ -277,8 +278,8 @@ def _chi_square(posterior: Posterior) -> ChiSquare:
     white = posterior.weighting.root(point.jacobian)
     effective = float(np.sum(posterior.inverse * (white.T @ white)))
     inflation: dict[str, list[float]] = {}
-    for (each, _), discrepancy in zip(problem.channels(), posterior.weighting.discrepancies, strict=True):
-        inflation.setdefault(each.signal, []).append(discrepancy.long_run_variance)
+    for (each, _), size in zip(problem.channels(), posterior.inflation, strict=True):
+        inflation.setdefault(each.signal, []).append(float(size))
     return ChiSquare(
         float(point.residual @ point.residual),
         len(point.residual),

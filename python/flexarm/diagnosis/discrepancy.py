@@ -23,14 +23,6 @@ The prior of s is a half-Cauchy one of the noise's scale [Gelman2006], times the
 it, which grows with s: a model that needs a discrepancy of s times the noise is less likely by that factor.
 What lasts longer than a tenth of a record is no discrepancy: an offset or a drift is an effect.
 
-Input noise is no white noise: modes amplify it, and an accelerometer differentiates it twice. Where its draws
-are at hand (`diagnosis.noise_model`), r + S_in(omega) stands in (3) in place of r, with S_in their mean
-periodogram. A residual is then weighted by the inverse of its density,
-
-.. math:: W = F^* \frac{1}{\lambda + S_{in}(\omega)} F                                                (4)
-
-with F the Fourier transform of a channel and lambda the density of noise and discrepancy at zero.
-
 Poses have no order in time: there K_ij = exp(-|a_i - a_j|^2/(2 L^2)) with a the joints' angles over their
 spread, L a part of it, and one eigendecomposition of K whitens all models [Rasmussen2006].
 """
@@ -53,30 +45,6 @@ from flexarm.record import Record
 
 
 @dataclass(frozen=True, eq=False)
-class InputSpectrum:
-    """S_in of a channel in time."""
-
-    by_band: Floats
-    """In each band of (3)."""
-    samples: int
-
-    @classmethod
-    def of(cls, errors: Floats) -> InputSpectrum:
-        """Return the spectrum of draws of an error, shape (draws, n)."""
-        n = errors.shape[1]
-        bands = [_binned(each)[1] for each in errors]
-        return cls(np.mean(bands, axis=0) if bands else np.zeros(len(_bands(n))), n)
-
-    def over_root(self, values: Floats, level: float) -> Floats:
-        """Return the root of (4) times values of shape (n, ...)."""
-        starts = np.append(_bands(self.samples), self.samples // 2 + 1)
-        root = np.sqrt(level + np.repeat(self.by_band, np.diff(starts)))
-        shape = (-1, *[1] * (values.ndim - 1))
-        found = np.fft.irfft(np.fft.rfft(values, axis=0) / root.reshape(shape), self.samples, axis=0)
-        return np.asarray(found)
-
-
-@dataclass(frozen=True, eq=False)
 class TimeDiscrepancy:
     """Eq. (1) of a channel in time."""
 
@@ -87,8 +55,6 @@ class TimeDiscrepancy:
     """r and s^2 of (1), over the stated variance."""
     length: float = 0.0
     """L [samples]; 0 without a discrepancy."""
-    spectrum: InputSpectrum | None = None
-    """S_in of (4), beside r; None counts as part of r."""
 
     @property
     def _phi(self) -> float:
@@ -132,17 +98,6 @@ class TimeDiscrepancy:
             rest = recursive_filter(fresh, np.array([1.0, -phi * (1 - gain[-1])]))
             found[NOISE_MODEL.transient :] = rest / np.sqrt(variance[-1])
         return found
-
-    @property
-    def long_run_variance(self) -> float:
-        """Variance of the mean of many samples times their number: the spectral density at zero."""
-        return self.noise + self.size * (1 + self._phi) / (1 - self._phi)
-
-    def weighted(self, values: Floats) -> Floats:
-        """Return the root of (4) times values of shape (n, ...)."""
-        if self.spectrum is None:
-            return np.asarray(values / np.sqrt(self.long_run_variance))
-        return self.spectrum.over_root(values, self.long_run_variance)
 
     def times(self, values: Floats) -> Floats:
         """Return C times values of shape (n, ...)."""
@@ -192,15 +147,6 @@ class PoseDiscrepancy:
         found: Floats = (turned.T / np.sqrt(self.variances)).T
         return found
 
-    @property
-    def long_run_variance(self) -> float:
-        """Variance of the mean times the number of poses."""
-        return float(self.vectors.sum(axis=0) ** 2 @ self.variances / len(self.variances))
-
-    def weighted(self, values: Floats) -> Floats:
-        """Return values of shape (n, ...) over the root of that: poses have no spectrum."""
-        return np.asarray(values / np.sqrt(self.long_run_variance))
-
     def times(self, values: Floats) -> Floats:
         """Return C times values of shape (n, ...)."""
         found: Floats = self.vectors @ ((self.vectors.T @ values).T * self.variances).T
@@ -232,50 +178,63 @@ def stretches(time: Floats) -> list[slice]:
     return [slice(a, b) for a, b in pairwise(edges)]
 
 
-def in_time(
-    rest: Floats, time: Floats, noise: float, spectrum: InputSpectrum | None = None
-) -> TimeDiscrepancy:
+def in_time(rest: Floats, time: Floats, noise: float) -> TimeDiscrepancy:
     """Return the most probable discrepancy of a channel in time, by (3)."""
-    n = len(rest)
-    omega, power, count = _binned(rest)
-    white = noise + (np.zeros(len(omega)) if spectrum is None else spectrum.by_band)
+    bands = Bands(len(rest))
+    power = bands.squares(rest) / bands.count
     sizes = noise * np.geomspace(1e-3, max(10.0 * float(np.mean(rest**2)) / noise, 1.0), 60)
-    longest = max(NOISE_MODEL.longest * n, 2.0)
-    lengths = np.geomspace(1.0, longest, max(int(3 * np.log(longest)), 2))
-    phi = np.exp(-1.0 / lengths)[:, None]
-    shape = (1 - phi**2) / (1 - 2 * phi * np.cos(omega) + phi**2)
-    density = white + sizes[:, None, None] * shape  # eq. (3)
-    likely = -0.5 * ((np.log(density) + power / density) @ count) + log_prior(sizes / noise)[:, None]
-    nothing = -0.5 * float((np.log(white) + power / white) @ count)
+    density = noise + sizes[:, None, None] * bands.spectra  # eq. (3)
+    likely = -0.5 * ((np.log(density) + power / density) @ bands.count) + log_prior(sizes / noise)[:, None]
+    nothing = -0.5 * float((np.log(noise) + power / noise) @ bands.count)
     i, j = np.unravel_index(int(np.argmax(likely)), likely.shape)
     there = stretches(time)
     if likely[i, j] <= nothing:
-        return TimeDiscrepancy(there, noise, spectrum=spectrum)
-    return TimeDiscrepancy(there, noise, float(sizes[i]), float(lengths[j]), spectrum)
+        return TimeDiscrepancy(there, noise)
+    return TimeDiscrepancy(there, noise, float(sizes[i]), float(bands.lengths[j]))
 
 
-def _binned(rest: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return angular frequencies [rad/sample], mean periodogram and number of values of each band."""
-    n = len(rest)
-    power = np.abs(np.fft.rfft(rest)) ** 2 / n
-    weight = np.full(len(power), 2.0)
-    weight[0] = 1.0
-    if n % 2 == 0:
-        weight[-1] = 1.0
-    omega = 2 * np.pi * np.arange(len(power)) / n
-    starts = _bands(n)
-    count = np.add.reduceat(weight, starts)
-    return (
-        np.add.reduceat(weight * omega, starts) / count,
-        np.add.reduceat(weight * power, starts) / count,
-        count,
-    )
+class Bands:
+    """Bands of frequency of n samples in which periodograms are summed."""
 
+    def __init__(self, n: int) -> None:
+        self.samples = n
+        edges = np.unique(np.geomspace(1, n // 2 + 1, NOISE_MODEL.bins).astype(int))
+        self.starts = np.concatenate([[0], edges[:-1]]) if len(edges) > 1 else np.array([0])
+        values = np.full(n // 2 + 1, 2.0)
+        values[0] = 1.0
+        if n % 2 == 0:
+            values[-1] = 1.0
+        self.values = values
+        """Of the transform at each frequency, real and imaginary ones."""
+        self.count = np.add.reduceat(values, self.starts)
+        """The same of each band."""
 
-def _bands(n: int) -> NDArray[np.intp]:
-    """Return the first frequency of each band of the transform of n values."""
-    edges = np.unique(np.geomspace(1, n // 2 + 1, NOISE_MODEL.bins).astype(int))
-    return np.concatenate([[0], edges[:-1]]) if len(edges) > 1 else np.array([0])
+    @property
+    def lengths(self) -> Floats:
+        """Return L of a discrepancy that is none of longer lengths [samples]."""
+        longest = max(NOISE_MODEL.longest * self.samples, 2.0)
+        return np.geomspace(1.0, longest, max(int(3 * np.log(longest)), 2))
+
+    @property
+    def spectra(self) -> Floats:
+        """Return the factor of s^2 in (3), shape (lengths, bands)."""
+        omega = 2 * np.pi * np.arange(len(self.values)) / self.samples
+        omega = np.add.reduceat(self.values * omega, self.starts) / self.count
+        phi = np.exp(-1.0 / self.lengths)[:, None]
+        return np.asarray((1 - phi**2) / (1 - 2 * phi * np.cos(omega) + phi**2))
+
+    def squares(self, values: Floats) -> Floats:
+        """Return the sum of I_k in each band, of values of shape (n, ...) the sum over their columns."""
+        columns = values.reshape(self.samples, -1)
+        power = np.sum(np.abs(np.fft.rfft(columns, axis=0)) ** 2, axis=1) / self.samples
+        return np.asarray(np.add.reduceat(self.values * power, self.starts))
+
+    def filtered(self, values: Floats, factors: Floats) -> Floats:
+        """Return values of shape (n, ...) whose transform is multiplied by a factor in each band."""
+        of_each = np.repeat(factors, np.diff(self.starts, append=len(self.values)))
+        shape = (-1, *[1] * (values.ndim - 1))
+        transform = np.fft.rfft(values, axis=0) * of_each.reshape(shape)
+        return np.asarray(np.fft.irfft(transform, self.samples, axis=0))
 
 
 def angles_of_poses(record: Record, pose: NDArray[Any]) -> Floats:

@@ -70,7 +70,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.discrepancy import Discrepancy, InputSpectrum, in_time, of_poses
+from flexarm.diagnosis.discrepancy import Discrepancy, in_time, of_poses
 from flexarm.diagnosis.fit import Fit, NormalEquations, Projection, gls_step, joint_jacobian
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import Rows
@@ -88,7 +88,7 @@ def autocovariance(values: Floats, lags: int) -> Floats:
     return found
 
 
-def _in_time(rows: Rows, problem: Problem) -> bool:
+def is_in_time(rows: Rows, problem: Problem) -> bool:
     """Return True if neighbouring rows follow one another in time."""
     return problem.records[rows.record].kind == "motion"
 
@@ -102,7 +102,7 @@ def above_noise(rest: Floats, problem: Problem, non_smooth: bool = False) -> dic
         values, explained_square = rest[where], each.explained_square(non_smooth)
         gamma = autocovariance(values, min(NOISE_MODEL.lags, len(values) - 1))
         square = gamma[0] - 1.0 - explained_square
-        if _in_time(each, problem):
+        if is_in_time(each, problem):
             square = min(square, float(np.abs(gamma[1:]).max(initial=0.0)))  # eq. (2)
         elif len(values) * gamma[0] / (1 + explained_square) < chdtri(len(values), problem.policy.chance):
             square = 0.0
@@ -155,23 +155,15 @@ def by_channel(
     return found
 
 
-def discrepancies_of(
-    rest: Floats, problem: Problem, non_smooth: bool, input_errors: Floats | None = None
-) -> tuple[Discrepancy, ...]:
-    """Return the most likely discrepancy of each channel of a residual of shape (n,).
-
-    Draws of input noise, shape (draws, n), show its spectrum in motions; without them it counts as white.
-    """
+def discrepancies_of(rest: Floats, problem: Problem, non_smooth: bool) -> tuple[Discrepancy, ...]:
+    """Return the most likely discrepancy of each channel of a residual of shape (n,)."""
     found: list[Discrepancy] = []
     for each, where in problem.channels():
         noise = 1.0 + each.explained_square(non_smooth)
-        if not _in_time(each, problem):
-            found.append(of_poses(rest[where], problem.pose_kernels(each), noise))
-        elif input_errors is None:
+        if is_in_time(each, problem):
             found.append(in_time(rest[where], each.time, noise))
         else:
-            spectrum = InputSpectrum.of(input_errors[:, where])
-            found.append(in_time(rest[where], each.time, noise - each.input_noise, spectrum))
+            found.append(of_poses(rest[where], problem.pose_kernels(each), noise))
     return tuple(found)
 
 

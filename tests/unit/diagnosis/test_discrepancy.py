@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from flexarm.diagnosis.discrepancy import (
-    InputSpectrum,
     PoseDiscrepancy,
     TimeDiscrepancy,
     in_time,
@@ -38,15 +37,6 @@ def test_the_filter_whitens_as_the_inverse_of_the_covariance_does(noise, size, l
     assert np.sum(there.whitened(values) ** 2, axis=0) == pytest.approx(squares, rel=1e-3)
     assert there.log_determinant == pytest.approx(np.linalg.slogdet(matrix)[1], abs=1e-2)
     assert there.times(values) == pytest.approx(matrix @ values, rel=1e-9)
-
-
-def test_the_variance_of_a_mean_follows_from_the_covariance():
-    parts, n = [slice(0, N)], 80
-    there = TimeDiscrepancy(parts, 1.0, 4.0, 3.0)
-    assert there.long_run_variance == pytest.approx(covariance(1.0, 4.0, 3.0, parts).sum() / N, rel=0.03)
-    values, vectors = pose_kernels(RNG.normal(size=(n, 2)))[1]
-    poses = PoseDiscrepancy(vectors, 1.0 + 4.0 * values)
-    assert poses.long_run_variance == pytest.approx(poses.times(np.ones(n)).sum() / n)
 
 
 def test_white_noise_has_no_discrepancy_that_matters():
@@ -92,32 +82,3 @@ def test_poses_are_whitened_by_eigenvectors_as_by_the_matrix():
     assert np.sum(there.whitened(y) ** 2) == pytest.approx(y @ np.linalg.solve(matrix, y))
     assert there.log_determinant == pytest.approx(np.linalg.slogdet(matrix)[1])
     assert there.times(y) == pytest.approx(matrix @ y)
-
-
-def ringing(draws: int, n: int) -> np.ndarray:
-    """Input noise that a mode at a tenth of the sampling rate amplifies to five times the noise."""
-    from scipy.signal import lfilter
-
-    pole = 0.97 * np.exp(2j * np.pi * 0.1)
-    found = lfilter([1.0], np.poly([pole, pole.conjugate()]).real, RNG.normal(size=(draws, n + 400)))[:, 400:]
-    return 5.0 * found / found.std()
-
-
-def test_input_noise_that_rings_is_no_discrepancy_where_its_spectrum_is_known():
-    n = 4000
-    *draws, own = ringing(9, n)
-    rest, spectrum = own + RNG.normal(size=n), InputSpectrum.of(np.array(draws))
-    as_white = in_time(rest, np.arange(float(n)), 1.0 + 25.0)
-    known = in_time(rest, np.arange(float(n)), 1.0, spectrum)
-    assert as_white.long_run_variance > 26.0
-    assert known.long_run_variance < 1.5
-
-
-def test_weights_leave_white_what_holds_noise_and_input_noise():
-    """Of 4000 samples in 80 bands: the root of (4) makes them independent and of size one."""
-    n = 4000
-    *draws, own = ringing(9, n)
-    spectrum = InputSpectrum.of(np.array(draws))
-    white = TimeDiscrepancy([slice(0, n)], 1.0, spectrum=spectrum).weighted(own + RNG.normal(size=n))
-    assert white.std() == pytest.approx(1.0, abs=0.1)
-    assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.1
