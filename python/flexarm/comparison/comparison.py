@@ -94,8 +94,8 @@ class Comparison(Summarised):
                 f"  {u!s:<36}{_rounded_to(value, std):>12} +- {_sigma(std, 'any'):>8}  "
                 f"({_sigma(u.sigma, 'unknown')}) {u.unit}"
                 for u, value, std in rows
-                if str(u) not in self.aligned.undetermined  # these are told in a note
-                # of a found frame its pose is told, not how far from a guess
+                if str(u) not in self.aligned.undetermined  # reported in a note
+                # of a found frame the pose is reported, not the distance from a guess
                 and (u.kind == "delay" or u.place not in self.frames)
             ]
         for name, pose in self.frames.items():

@@ -58,7 +58,7 @@ def pose_outliers(simulated: SimulatedRecord, start: Placement) -> dict[str, Pos
 
     Frames are as stated in `start`; those of which nothing is stated are fitted here.
     """
-    frames = 4  # most rigid fits of a frame, each without the outliers beside the one before
+    frames = 4  # most rigid fits of a frame, each without the outliers of the one before
     found: dict[str, PoseOutliers] = {}
     for _ in range(frames):
         signals = dict(simulated.signals)
@@ -90,7 +90,7 @@ def _of_signal(simulated: SimulatedRecord, signal: Signal, placement: Placement)
     rows, size = np.zeros(len(gap), dtype=bool), np.full(len(gap), np.nan)
     held = _repeated(signal.values[known], signal.noise_std or 0.0)
     beyond = np.abs(off) > limit
-    if held.shape == beyond.shape:  # not of orientations, whose gaps are no channels
+    if held.shape == beyond.shape:  # gaps of orientations have no channels
         beyond &= ~held
     rows[known], size[known] = np.any(beyond, axis=1), np.linalg.norm(off, axis=1)
     if rows.any() and signal.quantity not in DESCRIBED:

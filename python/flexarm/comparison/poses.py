@@ -178,7 +178,7 @@ def _force_derivatives(model: _StaticModel, parameter: Parameter) -> dict[str, F
 def with_turned(record: Record, joint: str, angles: Floats) -> Record:
     """Return a record whose poses turn the motor of a joint further, by `angles` of shape (poses,) [rad]."""
     drives = [record.signals[name] for name in record.drive if record.signals[name].joint == joint]
-    if not drives:  # it stands where the record says
+    if not drives:  # a joint at rest
         name = joint
         while name in record.signals:
             name += "_"

@@ -44,7 +44,7 @@ def step_notes(arm: Arm, pair: AlignedRecord, step: float, alpha: float) -> Iter
 
 def step_note(moved: float, noise: float, step: float) -> str:
     """Return in words that half a step moves a prediction too far, and what step would do (1); else ""."""
-    fine = 0.5  # change of a prediction over its noise, where the step is halved, from which on it is told
+    fine = 0.5  # least change of a prediction over its noise, where the step is halved, that is reported
     if not 0 < fine * noise < moved < np.inf:
         return ""
     enough = step * sqrt(fine * noise / moved)  # eq. (1)

@@ -73,7 +73,7 @@ def collinear(k: int, best: Fit, estimator: Estimator, probed: Sequence[Probed])
     effect = best.jacobian[:, own] @ _away(chosen, best, own)
     fine = replace(estimator, problem=estimator.problem.with_step(estimator.problem.step / LONGER))
     with suppress(*FIT_ERRORS):
-        moved = small_steps(fine, [*found.values()], best)  # in the steps of the fit: longer ones ring slower
+        moved = small_steps(fine, [*found.values()], best)  # in time steps of the fit
         for candidate, steps in zip(found.values(), moved, strict=True):
             if steps is None:
                 continue
@@ -299,7 +299,7 @@ def _refined_model(fit: Fit, best: Fit, peer: Fit, estimator: Estimator, open_ga
         except FIT_ERRORS:
             break
         before, behind = behind, log_bayes_factor(best, fit, problem)
-        if before - behind < max(FIT.least_gain, behind - policy.within_sight):  # nor another one like this
+        if before - behind < max(FIT.least_gain, behind - policy.within_sight):  # neither would another one
             break
     return fit, behind
 

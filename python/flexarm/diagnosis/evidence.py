@@ -325,7 +325,7 @@ def cross_validated_skill(fit: Fit, null: Fit, stated: Floats, problem: Problem)
     """
     jacobian, residual, held = joint_jacobian(fit)
     best = np.concatenate([np.zeros(len(fit.z)), fit.projection.solve(fit.residual)])
-    centred = np.where(np.arange(len(best)) < len(fit.z), 0.0, best)  # effects are held where the fit is
+    centred = np.where(np.arange(len(best)) < len(fit.z), 0.0, best)  # priors of effects centred at the fit
     after, before = [], []
     for rows in parts(problem):
         other = np.setdiff1d(np.arange(len(problem)), rows)

@@ -187,7 +187,7 @@ def _alone(fit: Fit, problem: Problem, name: str) -> tuple[np.ndarray, np.ndarra
     own = np.concatenate([np.arange(w.start, w.stop) for e, w in problem.channels() if e.record == name])
     jacobian, residual = white[own, :-1], white[own, -1]
     prior = prior.copy()
-    prior[: len(fit.z)] = 1e-4  # the record alone shall say it
+    prior[: len(fit.z)] = 1e-4  # weak: the record alone determines effects
     inverse = NormalEquations.of(jacobian, prior).inverse()
     gradient = jacobian.T @ residual + prior * best
     return -inverse @ gradient, np.sqrt(np.diag(inverse))

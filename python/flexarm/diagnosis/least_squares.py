@@ -79,7 +79,7 @@ class LeastSquares:
         """
         from scipy.optimize import least_squares
 
-        self.residual(start)  # an error here is the caller's
+        self.residual(start)  # raises if the start cannot be simulated
         if not self.parameters:
             return start
         bounds = np.array([c.bound for c in self.parameters])

@@ -132,7 +132,7 @@ def _known_places(fit: Fit, member: Candidate, strong: float) -> Iterator[str]:
 def _unusual(fit: Fit, k: int) -> Iterator[str]:
     """Yield parameters of an effect that are far from their priors."""
     for parameter, z in zip(fit.parameters, fit.z, strict=True):
-        own = parameter.weight < 1.0  # and not that of the other places
+        own = parameter.weight < 1.0  # its own, not a hierarchical one
         if parameter.candidate == k and own and abs(z) > UNUSUAL and parameter.prior.scale != "uniform":
             prior, value = parameter.prior, parameter.value(float(z))
             low, high = (with_unit(end, prior.unit) for end in (prior.low, prior.high))

@@ -60,7 +60,7 @@ def gauss_newton_step(
     """
     dz = _least(fit)
     members = members_at(fit.members, fit.parameters, fit.z + part * dz)
-    ahead = replace(fit, members=members, residual=fit.residual + fit.jacobian @ dz)  # where x is after dz
+    ahead = replace(fit, members=members, residual=fit.residual + fit.jacobian @ dz)  # determines x after dz
     about = estimator.about(ahead, part) if anew else estimator.towards(ahead, part)
     return about.fit(members, limit=limit, nearby=fit), about
 

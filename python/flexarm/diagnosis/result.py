@@ -323,6 +323,6 @@ class Diagnosis(BeforeAfter, SavedAsDirectory, Summarised):
 
         The directory is there. With the file of the nominal model, updated.toml keeps its comments.
         """
-        from flexarm.report.diagnosis import write  # draws this; so it is imported when it is asked for
+        from flexarm.report.diagnosis import write  # needed only to write
 
         write(self, directory, model)

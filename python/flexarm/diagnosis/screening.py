@@ -196,7 +196,7 @@ def rescreened_at_size(estimator: Estimator, shares: Sequence[Share], fit: Fit) 
     models = []
     for share in shares:
         members = (*fit.members, *share.members)
-        with suppress(InvalidParameter):  # a ripple that would turn the output back
+        with suppress(InvalidParameter):  # such as a ripple that turns the output back
             models.append((share, members, estimator.with_effects(members)))
     coarse.problem.prepare(arm for _, _, arm in models)
     if not models:

@@ -297,7 +297,7 @@ def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
         chosen.append(set(choice.best.places))
         if set(ahead.fit.places) in chosen:
             break
-        state.tried.append(choice.best)  # which is the other's alternative now
+        state.tried.append(choice.best)  # now an alternative of the other one
         fewer = backward(state.criteria, ahead.fit, estimator_about(ahead.fit, choice.estimator))
         choice = with_alternatives(state, *converged(*fewer))
     return choice

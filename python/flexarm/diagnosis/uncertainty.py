@@ -143,7 +143,7 @@ def _of_effect(fit: Fit, i: int, sigma: Floats) -> tuple[Estimate, ...]:
         reach = max(parameter.bound, abs(z))
         ends = (float(np.clip(z + side * NORMAL_90 * sigma[j], -reach, reach)) for side in (-1, 1))
         low, high = sorted(parameter.value(end) for end in ends)
-        own = parameter.prior.unit if unit == "SI" else unit  # that of the signal
+        own = parameter.prior.unit if unit == "SI" else unit  # the unit of the signal
         turns = whole_turns(value) if name == "phase" else 0.0
         std = (high - low) / (2 * NORMAL_90)
         found.append(

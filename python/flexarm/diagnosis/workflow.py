@@ -66,7 +66,7 @@ from flexarm.diagnosis.uncertainty import (
 from flexarm.diagnosis.verification import SplitRecords, main_signal, moved, repaired, verified, worth_keeping
 from flexarm.missing_law.prediction import LawCheck
 from flexarm.missing_law.search import MissingLaws, law_remarks, missing_laws
-from flexarm.named_effects import NamedEffect
+from flexarm.named_effects import NamedEffect, Refined
 from flexarm.threads import one_blas_thread
 from flexarm.validation.sensor_check import check, clean_records, named_records
 
@@ -168,7 +168,7 @@ def _diagnosis(
     tell(0.0, "checking")
     checked = check(arm, given, step=step, alpha=alpha)
     doubts = dict.fromkeys((*(f"model: {warning}" for warning in arm.warnings), *checked.doubts))
-    said = (remark for remark in checked.remarks if remark not in current().remarks)  # told at the end
+    said = (remark for remark in checked.remarks if remark not in current().remarks)  # added at the end
     remarks = (*doubts, *map(str, checked.outliers), *said)
     if checked.faults:
         faults = tuple(
@@ -211,21 +211,12 @@ def _diagnosis(
     if out.any():
         parted = parted.without_outliers(found.repaired, problem)
     split_records = SplitRecords(parted.training, parted.held_out, step, alpha, problem.jobs)
-    updated, refined = found.repaired, tuple(filter(moved, found.sizes.refined))
-    if not found.kept:
-        updated, refined = set_zeros(updated, refined, arm)
-    updated, refined = restore_unidentifiable(problem.arm, updated, refined, split_records.training_gaps)
-    updated = without_idle_zeros(updated, arm)
-    refined = of_model(refined, updated)
+    updated, refined = _updated(found, problem, arm, split_records)
     missing, members, sizes = MissingLaws(), choice.best.members, found.sizes
-    early = ended_early(current().remarks)  # what nobody looked for may be in the vocabulary
+    early = ended_early(current().remarks)  # an effect that was not tried may explain it
     if laws and not early and found.verdict == "unexplained" and allows("the missing law was sought"):
         tell(0.87, "missing law")
-        signal = main_signal(parted.training, split_records.training_gaps(arm))
-        # a law is sought about both: effects of an unexplained gap may imitate parts of it
-        simplest_first = [choice.null, choice.best] if choice.best.members else [choice.best]
-        ground = LawCheck(split_records, arm, updated, signal)
-        missing = missing_laws(choice.estimator, simplest_first, ground)
+        missing = _laws(choice, arm, updated, split_records)
     if missing.added is not None:
         fitted = missing.added.fitted
         updated, members, sizes = missing.added.arm, fitted.fit.members, fitted.sizes
@@ -314,6 +305,25 @@ def _conclusion(choice: Choice, coarse: Sequence[CoarseEncoder], problem: Proble
     model = repaired(problem.arm, choice.best, sizes) if keep else problem.arm
     verdict: Verdict = "unexplained" if unexplained else "effects" if effects else "adequate"
     return _Conclusion(verdict, effects, sizes, drifts, model, keep, open_gap, ends)
+
+
+def _updated(
+    found: _Conclusion, problem: Problem, stated: Arm, records: SplitRecords
+) -> tuple[Arm, tuple[Refined, ...]]:
+    """Return the updated model and its refined values, those that the data do not determine as stated."""
+    updated, refined = found.repaired, tuple(filter(moved, found.sizes.refined))
+    if not found.kept:
+        updated, refined = set_zeros(updated, refined, stated)
+    updated, refined = restore_unidentifiable(problem.arm, updated, refined, records.training_gaps)
+    updated = without_idle_zeros(updated, stated)
+    return updated, of_model(refined, updated)
+
+
+def _laws(choice: Choice, arm: Arm, updated: Arm, records: SplitRecords) -> MissingLaws:
+    """Return the missing laws about the models without and with effects, which may imitate parts of a gap."""
+    signal = main_signal(records.training, records.training_gaps(arm))
+    simplest_first = [choice.null, choice.best] if choice.best.members else [choice.best]
+    return missing_laws(choice.estimator, simplest_first, LawCheck(records, arm, updated, signal))
 
 
 def _chosen(problem: Problem, tell: Callable[[float, str], object]) -> Choice:

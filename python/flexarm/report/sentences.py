@@ -205,7 +205,7 @@ def hold_out_sentence(diagnosis: Diagnosis) -> str:
         if diagnosis.hold_out_kind == "blocks":
             return f"Fitted on {fitted} without {held_out}, which were never used to fit or to choose."
         article = "an" if diagnosis.hold_out_kind[:1] in "aeiou" else "a"
-        why = "" if unpredicted_sentence(diagnosis) else diagnosis.hold_out_why  # said beside the verdict
+        why = "" if unpredicted_sentence(diagnosis) else diagnosis.hold_out_why  # stated with the verdict
         return (
             f"Fitted on {fitted}; {held_out} was never used to fit or to choose, and is "
             f"{article} {diagnosis.hold_out_kind} of the training{f': {why}' if why else ''}."

@@ -159,7 +159,7 @@ def _axes(
     if signal.quantity not in ("position", "acceleration", "angular_rate"):
         return {}
     whole = signal.replace(axes=("x", "y", "z"), channels=(), values=np.zeros((len(signal), 3)))
-    bare = simulated.arm.replace(effects=(), uncertainty={})  # axes that were not measured have none
+    bare = simulated.arm.replace(effects=(), uncertainty={})  # effects name measured axes only
     clean = replace(simulated, arm=bare)
     return dict(zip("xyz", np.nan_to_num(predicted_at(clean, whole, placement)).T, strict=True))
 

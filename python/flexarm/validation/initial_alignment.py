@@ -61,7 +61,7 @@ def simulate_records(
     try:
         runs = _simulations(arm, records, step, alpha, progress)
     except (InvalidParameter, NotConverged):
-        runs = {}  # one of them fails: each by itself
+        runs = {}  # one of them fails: simulate each by itself
     found: dict[str, SimulatedRecord] = {}
     failed: dict[str, str] = {}
     empty: dict[str, str] = {}

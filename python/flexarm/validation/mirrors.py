@@ -132,7 +132,7 @@ def _mirrored(
         float(np.sqrt(max(moved - 2 * (sizes[:-1].sum() + sign * sizes[-1]), 0.0) / y.shape[1]))
         for sign in (-1, 1)
     )
-    missed = max(each.model_error for each in seen)  # by any model, in a mirror or not
+    missed = max(each.model_error for each in seen)  # model error, alike in both
     before, after = float(np.hypot(turned, missed)), float(np.hypot(mirrored, missed))
     if np.linalg.det(u @ vt) > 0 or after > POLICY.max_unexplained * before:
         return []

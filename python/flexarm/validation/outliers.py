@@ -152,7 +152,7 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     found = np.zeros(len(residual), dtype=bool)
     rows, off, usual = deviation_from_median(residual)
     least = np.maximum(POLICY.spike_noises * noise, POLICY.spike_spread * usual)
-    if not np.any(np.abs(off) > least):  # what most signals are spared
+    if not np.any(np.abs(off) > least):  # most signals need no parabolas
         return found
     size = np.minimum(np.abs(off), deviation_from_parabolas(residual[rows]))
     far = np.flatnonzero(np.any(size > least, axis=1))
@@ -160,7 +160,7 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     limit[(far < 2) | (far >= len(rows) - 2)] *= POLICY.edge_ratio
     vibration = POLICY.unusual_ratio * np.broadcast_to(ringing, residual.shape)[rows]
     rings = vibration > least
-    missed = size[rings] / vibration[rings]  # share of the predicted vibration, where its phase is not right
+    missed = size[rings] / vibration[rings]  # share of the predicted vibration
     phase = min(NEARBY * float(np.quantile(missed, MOST_OF_THEM)), 1.0) if len(missed) else 1.0
     found[rows[far]] = np.any(size[far] > np.maximum(limit, phase * vibration[far]), axis=1)
     return found

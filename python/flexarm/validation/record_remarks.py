@@ -159,7 +159,7 @@ def remarks_on_stamps(records: Mapping[str, Record]) -> list[str]:
 def _remarks(signal: Signal) -> list[str]:
     found = []
     lost = 1.0 - float(np.mean(signal.valid)) if len(signal) else 1.0
-    if POLICY.lost_share < lost < 1:  # that a signal holds nothing is why it is not compared, which is said
+    if POLICY.lost_share < lost < 1:  # empty signals are reported as not compared
         found.append(f"{signal.name} holds no value in {lost:.0%} of its {len(signal)} rows")
     if len(signal.time) > 2:
         steps = np.diff(signal.time)

@@ -196,7 +196,7 @@ def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] 
     `noise` is 1 sigma of signals that state none [SI].
     """
     drive = Drive.from_record(record, arm)
-    # held after its last break, a rate would jump, as that of no motor does
+    # after its last break a drive is held, where its rate would jump
     last = max((float(each.breaks[-1]) for each in drive.joints.values()), default=drive.end)
     drive = replace(drive, end=min(drive.end, last))
     drivers = {str(record.signals[d].joint): d for d in record.drive}

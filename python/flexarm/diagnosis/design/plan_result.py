@@ -242,6 +242,6 @@ class Plan(SavedAsDirectory, Summarised):
 
     def write(self, directory: Path) -> None:
         """Write plan.json, plan.html and the figures into a directory that is there."""
-        from flexarm.report.plan import write  # draws this; so it is imported when it is asked for
+        from flexarm.report.plan import write  # needed only to write
 
         write(self, directory)

@@ -150,7 +150,7 @@ def _moves(
             others.append(candidate)
     kinds = {unknown.kind for unknown in best.nuisance.parameters if unknown.key in conflicting}
     if kinds != {"clock"}:
-        with suppress(*FIT_ERRORS):  # of the fit itself, in longer steps
+        with suppress(*FIT_ERRORS):  # the fit itself may fail in longer steps
             yield from _small_moves(estimator, others, best, conflicting)
 
 

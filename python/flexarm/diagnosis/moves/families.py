@@ -50,7 +50,7 @@ def without_idle_places(criteria: Criteria, best: Fit, about: Estimator) -> tupl
     """
     found = best
     for spots in [m.spots for m in best.members if isinstance(m, EffectFamily)]:
-        [family] = [m for m in found.members if m.spots == spots]  # fits make others of all members
+        [family] = [m for m in found.members if m.spots == spots]  # each fit replaces its members
         assert isinstance(family, EffectFamily)
         found = _thinned(criteria, found, family, about)
     return found, about if found is best else estimator_about(found, about)
@@ -110,7 +110,7 @@ def _in_place_of_singles(about: Estimator, probed: Sequence[Probed], best: Fit, 
     found: list[Fit] = []
     for family in {p.candidate.name: p.candidate for p in reversed(probed)}.values():
         there = [m for m in best.members if m.spots < family.spots]
-        if any(isinstance(m, EffectFamily) for m in there):  # places have left it
+        if any(isinstance(m, EffectFamily) for m in there):  # places were removed from it
             continue
         if not there or not isinstance(family, EffectFamily) or not family.shared:
             continue

@@ -94,7 +94,7 @@ def rescreened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list
         found.append(each)
     for k, each in zip(whole, probed_about(coarse, [found[k] for k in whole], fit), strict=True):
         found[k] = each
-    with suppress(*FIT_ERRORS):  # of the fit itself, in longer steps
+    with suppress(*FIT_ERRORS):  # the fit itself may fail in longer steps
         stepped = small_steps(estimator, [each.candidate for each in smooth.values()], fit)
         for k, steps in zip(smooth, stepped, strict=True):
             found[k] = steps or smooth[k]
