@@ -95,6 +95,14 @@ class Refined:
     nominal: float
     unit: str = ""
 
+    @property
+    def changed(self) -> bool:
+        """Return True if the value moved by more than a thousandth of its standard deviation.
+
+        Values that the data do not tell, as across the plane of a planar arm, have not.
+        """
+        return abs(self.value - self.nominal) > 1e-3 * self.std
+
 
 @dataclass(frozen=True)
 class Rejected:

@@ -100,10 +100,6 @@ def held_out_gaps(d: Diagnosis) -> list[HeldOutGap]:
     return found
 
 
-STILL = 1e-3
-"""Move of a value that counts as none, over its 1 sigma."""
-
-
 @dataclass(frozen=True)
 class Refinement:
     """A refined value and its stated sigma."""
@@ -131,7 +127,7 @@ class Refinement:
     @property
     def changed(self) -> bool:
         """Return True if the repaired model has another value; those that are left open mostly have not."""
-        return abs(self.moved) > STILL * self.refined.std
+        return self.refined.changed
 
     @property
     def texts(self) -> tuple[str, str, str]:

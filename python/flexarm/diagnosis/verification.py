@@ -26,7 +26,7 @@ from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
 from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.errors import InvalidParameter
-from flexarm.named_effects import Refined, Stage, place_text
+from flexarm.named_effects import Stage, place_text
 from flexarm.record import Record
 from flexarm.residual_analysis.localisation import Localisation, localise
 from flexarm.residual_analysis.noise_floor import noise_floor
@@ -39,7 +39,7 @@ def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
 
     Values are rounded, but where a rounded one would be beyond the limit of what is allowed.
     """
-    for refined in filter(moved, sizes.refined):
+    for refined in (each for each in sizes.refined if each.changed):
         try:
             arm = with_value(arm, refined.parameter, rounded_to_std(refined.value, refined.std))
         except InvalidParameter:
@@ -53,13 +53,6 @@ def repaired(arm: Arm, fit: Fit, sizes: Estimates) -> Arm:
         except InvalidParameter:
             arm = member.with_parameters(values).enter(arm)
     return arm
-
-
-def moved(refined: Refined) -> bool:
-    """Return True if the data say anything of a nominal value: not of one across the plane of a planar
-    arm.
-    """
-    return abs(refined.value - refined.nominal) > 1e-3 * refined.std
 
 
 def rounded_to_std(value: float, std: float) -> float:

@@ -63,7 +63,7 @@ from flexarm.diagnosis.uncertainty import (
     has_implausible_size,
     restore_unidentifiable,
 )
-from flexarm.diagnosis.verification import SplitRecords, main_signal, moved, repaired, verified, worth_keeping
+from flexarm.diagnosis.verification import SplitRecords, main_signal, repaired, verified, worth_keeping
 from flexarm.missing_law.prediction import LawCheck
 from flexarm.missing_law.search import MissingLaws, law_remarks, missing_laws
 from flexarm.named_effects import NamedEffect, Refined
@@ -220,7 +220,7 @@ def _diagnosis(
     if missing.added is not None:
         fitted = missing.added.fitted
         updated, members, sizes = missing.added.arm, fitted.fit.members, fitted.sizes
-        refined = tuple(filter(moved, sizes.refined))
+        refined = tuple(each for each in sizes.refined if each.changed)
     tell(0.95, "verifying")
     encoders = [encoder.effect for encoder in coarse]
     seen = verified(split_records, arm, updated, encoders, members, found.open_gap)
@@ -311,7 +311,7 @@ def _updated(
     found: _Conclusion, problem: Problem, stated: Arm, records: SplitRecords
 ) -> tuple[Arm, tuple[Refined, ...]]:
     """Return the updated model and its refined values, those that the data do not determine as stated."""
-    updated, refined = found.repaired, tuple(filter(moved, found.sizes.refined))
+    updated, refined = found.repaired, tuple(each for each in found.sizes.refined if each.changed)
     if not found.kept:
         updated, refined = set_zeros(updated, refined, stated)
     updated, refined = restore_unidentifiable(problem.arm, updated, refined, records.training_gaps)

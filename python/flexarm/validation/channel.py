@@ -71,8 +71,8 @@ class GainFit:
         return float(rms / self.moving) if self.moving > 0 else np.inf
 
 
-def effective_samples(count: int) -> int:
-    """Return N of (2)."""
+def independent_samples(count: int) -> int:
+    """Return N of (2), of so many rows."""
     return min(count, POLICY.independent_samples)
 
 
@@ -92,7 +92,7 @@ class _Regression:
         scale = np.sqrt(np.diag(self._squares))
         scale[scale == 0] = 1.0
         count = len(self.y)
-        w = effective_samples(count) / (count * sigma**2) if sigma > 0 else 1.0
+        w = independent_samples(count) / (count * sigma**2) if sigma > 0 else 1.0
         H = w * (self._squares / np.outer(scale, scale)) + np.diag(weight / scale**2)
         H += 1e-12 * np.trace(H) / len(H) * np.eye(len(H))
         inverse = np.linalg.inv(H)

@@ -34,7 +34,7 @@ from flexarm.named_effects import Alternative, Estimate, NamedEffect, place_text
 from flexarm.pictures import Summarised
 from flexarm.quantities import channel_names
 from flexarm.record import Record
-from flexarm.validation.channel import Channel, effective_samples
+from flexarm.validation.channel import Channel, independent_samples
 from flexarm.validation.policy import POLICY
 from flexarm.wording import listed, with_unit
 
@@ -73,15 +73,13 @@ def log_bayes(count: int, before: float, after: float) -> float:
     """Return the log Bayes factor (1)."""
     if not before > 0:
         return POLICY.prior_log_odds  # there was nothing to explain
-    return effective_samples(count) * float(np.log(before / after)) + POLICY.prior_log_odds
+    return independent_samples(count) * float(np.log(before / after)) + POLICY.prior_log_odds
 
 
 def cost(channel: Channel, rms: float, penalty: float = 0.0) -> float:
     """Return the cost (2) of a hypothesis from its rms residual and its penalty."""
-    return (
-        effective_samples(len(channel.rows)) * float(np.log(max(rms, channel.least_scatter, NOTHING)))
-        + penalty
-    )
+    left = max(rms, channel.least_scatter, NOTHING)
+    return independent_samples(len(channel.rows)) * float(np.log(left)) + penalty
 
 
 def total_cost(found: Sequence[ChannelFinding]) -> float:
