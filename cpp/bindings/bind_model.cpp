@@ -33,18 +33,37 @@ void bind_model(py::module_& m) {
       .value("timoshenko", BeamTheory::timoshenko)
       .value("euler_bernoulli", BeamTheory::euler_bernoulli)
       .finalize();
+  py::class_<StateTable>(m, "StateTable", "What a table of a joint's state gives, in a direction.")
+      .def(py::init([](std::string joint, flexarm::joints::Of of, flexarm::joints::ChangingTable table,
+                       const Vector3d& direction) {
+             return StateTable{std::move(joint), of, std::move(table), direction};
+           }),
+           py::kw_only(), py::arg("joint"), py::arg("of"), py::arg("table"),
+           py::arg("direction") = Vector3d::Zero());
   py::class_<BeamLink>(m, "BeamLink", "A straight beam.")
       .def(py::init([](std::string name, const Vector3d& end, const Vector3d& up, const Section& section,
                        const Material& material, BeamTheory theory, int elements, double damping_ratio,
-                       double bending_scale, double mass_scale, const Vector3d& bow, double bow_time) {
-             return BeamLink{std::move(name), end,           up,         section, material, theory, elements,
-                             damping_ratio,   bending_scale, mass_scale, bow,     bow_time};
+                       double bending_scale, double mass_scale, const Vector3d& bow, double bow_time,
+                       std::optional<StateTable> curvature) {
+             return BeamLink{std::move(name),
+                             end,
+                             up,
+                             section,
+                             material,
+                             theory,
+                             elements,
+                             damping_ratio,
+                             bending_scale,
+                             mass_scale,
+                             bow,
+                             bow_time,
+                             std::move(curvature)};
            }),
            py::kw_only(), py::arg("name"), py::arg("end"), py::arg("up") = Vector3d::Zero(),
            py::arg("section"), py::arg("material"),
            py::arg_v("theory", BeamTheory::timoshenko, "BeamTheory.timoshenko"), py::arg("elements") = 4,
            py::arg("damping_ratio") = 0.0, py::arg("bending_scale") = 1.0, py::arg("mass_scale") = 1.0,
-           py::arg("bow") = Vector3d::Zero(), py::arg("bow_time") = 0.0);
+           py::arg("bow") = Vector3d::Zero(), py::arg("bow_time") = 0.0, py::arg("curvature") = py::none());
   py::class_<RigidLink>(m, "RigidLink", "A rigid body.")
       .def(py::init([](std::string name, double mass, const Vector3d& com, const Matrix3d& inertia) {
              return RigidLink{std::move(name), mass, com, inertia};
@@ -63,11 +82,13 @@ void bind_model(py::module_& m) {
            py::arg("mass"), py::arg("damping") = Eigen::MatrixXd(), py::arg("damping_ratio") = 0.0);
   py::class_<Payload>(m, "Payload", "A concentrated mass.")
       .def(py::init([](std::string name, std::string link, const Vector3d& position, double mass,
-                       const Matrix3d& inertia, const Vector3d& offset) {
-             return Payload{std::move(name), std::move(link), position, mass, inertia, offset};
+                       const Matrix3d& inertia, const Vector3d& offset, std::optional<StateTable> force) {
+             return Payload{std::move(name), std::move(link), position,        mass,
+                            inertia,         offset,          std::move(force)};
            }),
            py::kw_only(), py::arg("name"), py::arg("link"), py::arg("position") = Vector3d::Zero(),
-           py::arg("mass"), py::arg("inertia") = Matrix3d::Zero(), py::arg("offset") = Vector3d::Zero());
+           py::arg("mass"), py::arg("inertia") = Matrix3d::Zero(), py::arg("offset") = Vector3d::Zero(),
+           py::arg("force") = py::none());
   py::class_<flexarm::model::Point>(m, "Point", "A place to look at, or to push at.")
       .def(py::init([](std::string name, std::string link, const Vector3d& position, bool loaded) {
              return flexarm::model::Point{std::move(name), std::move(link), position, loaded};
@@ -75,13 +96,14 @@ void bind_model(py::module_& m) {
            py::kw_only(), py::arg("name"), py::arg("link"), py::arg("position") = Vector3d::Zero(),
            py::arg("loaded") = false);
   py::class_<Hinge>(m, "Hinge", "A hinge on a spring, which nothing drives.")
-      .def(py::init([](const Vector3d& axis, double stiffness, double damping,
-                       flexarm::joints::JointType type, flexarm::joints::DriveTrain::Parallel laws) {
-             return Hinge{axis, stiffness, damping, type, std::move(laws)};
-           }),
-           py::kw_only(), py::arg("axis"), py::arg("stiffness"), py::arg("damping") = 0.0,
-           py::arg("type") = flexarm::joints::JointType::revolute,
-           py::arg("laws") = flexarm::joints::DriveTrain::Parallel{});
+      .def(
+          py::init([](const Vector3d& axis, double stiffness, double damping, flexarm::joints::JointType type,
+                      flexarm::joints::DriveTrain::Parallel laws, std::optional<StateTable> follows) {
+            return Hinge{axis, stiffness, damping, type, std::move(laws), std::move(follows)};
+          }),
+          py::kw_only(), py::arg("axis"), py::arg("stiffness"), py::arg("damping") = 0.0,
+          py::arg("type") = flexarm::joints::JointType::revolute,
+          py::arg("laws") = flexarm::joints::DriveTrain::Parallel{}, py::arg("follows") = py::none());
   py::class_<Joint>(m, "Joint", "A joint with its drive train.")
       .def(py::init([](std::string name, flexarm::joints::JointType type, std::string parent,
                        std::string child, bool at_end, const flexarm::geometry::Frame& origin,

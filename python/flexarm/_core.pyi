@@ -68,6 +68,7 @@ __all__: list[str] = [
     "SolidMesh",
     "State",
     "StateDerivative",
+    "StateTable",
     "Stepping",
     "SuperElementLink",
     "System",
@@ -442,6 +443,19 @@ class BeamTheory(enum.Enum):
     euler_bernoulli = ...
     timoshenko = ...
 
+class StateTable:
+    """
+    What a table of a joint's state gives, in a direction.
+    """
+    def __init__(
+        self,
+        *,
+        joint: str,
+        of: Of,
+        table: ChangingTable,
+        direction: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+    ) -> None: ...
+
 class BeamLink:
     """
     A straight beam.
@@ -461,6 +475,7 @@ class BeamLink:
         mass_scale: typing.SupportsFloat | typing.SupportsIndex = 1.0,
         bow: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
         bow_time: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+        curvature: StateTable | None = None,
     ) -> None: ...
 
 class RigidLink:
@@ -505,6 +520,7 @@ class Payload:
         mass: typing.SupportsFloat | typing.SupportsIndex,
         inertia: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"] = ...,
         offset: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...,
+        force: StateTable | None = None,
     ) -> None: ...
 
 class Point:
@@ -544,6 +560,7 @@ class Hinge:
             | EndCushion
             | RadialClearance
         ] = [],
+        follows: StateTable | None = None,
     ) -> None: ...
 
 class Joint:

@@ -19,7 +19,7 @@ from flexarm import Arm, InvalidParameter
 from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arm.sensor_effect import SignalEffect
-from flexarm.arm.vocabulary import KNOWN_EFFECTS
+from flexarm.arm.vocabulary import ANYWHERE, KNOWN_EFFECTS
 from gallery.experiments import ENCODER, EXPERIMENTS, FAST, JOINT, LINK, NOISE, PAYLOAD, TRACKER, Experiment
 from gallery.gaps import Gap, bench
 
@@ -33,6 +33,7 @@ AT = {
     "payload": PAYLOAD,
     "link": LINK,
     "base": "base",
+    ANYWHERE: JOINT,
     "point": "tip",
     "signal or clock": TRACKER,
     "frame": TRACKER,

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from arms import paper_arm
+from arms import TUBE, arm, beam, fixed, hinge, paper_arm, rigid
 from diagnoses import STIFFNESS, nominal, record
 
 import flexarm
@@ -23,6 +23,7 @@ TABLE = {
     "x": [-400.0, 0.0, 400.0],
     "value": [2e-3, 0.0, -1e-3],
 }
+BENT = {"at": "rod", "quantity": "curvature", "of": "angle"}
 LAW = TabulatedLaw(**{key: value for key, value in TABLE.items() if key != "name"})
 SPRING = JointCompliance(at="hinge", stiffness=1e5, damping=100.0)
 
@@ -63,11 +64,25 @@ def test_arrays_become_lists():
         ({"value": None}, "value", "is missing; needed is values at the knots"),
         ({"quantity": "wind-up"}, "quantity", "must be 'windup', 'torque', 'curvature' or 'force'"),
         ({"of": "time"}, "of", "must be 'angle', 'rate', 'torque' or 'motor_angle', got 'time'"),
-        ({"quantity": "torque"}, "of", "torque of torque cannot be simulated; at a joint there are: windup"),
-        ({"quantity": "curvature"}, "quantity", "curvature of torque cannot be simulated"),
+        ({"quantity": "torque"}, "of", "must be 'angle' or 'rate' or 'motor_angle' of a torque at 'hinge'"),
+        ({"quantity": "curvature"}, "of", "must be 'angle' or 'rate' or 'motor_angle' of a curvature"),
+        (
+            {"quantity": "curvature", "of": "angle", "direction": "x"},
+            "quantity",
+            "must be 'windup' or 'torque' at 'hinge', got 'curvature'",
+        ),
+        (BENT, "direction", "is missing: a curvature at 'rod' has one, 'x' or 'y' or 'z'"),
+        ({**BENT, "direction": "w"}, "direction", "must be 'x', 'y' or 'z', got 'w'"),
+        ({**BENT, "direction": "z"}, "direction", "must be 'x' or 'y', across the beam 'rod', got 'z'"),
+        ({**BENT, "quantity": "force", "direction": "z"}, "quantity", "must be 'curvature' at 'rod', got"),
+        ({**BENT, "at": "load"}, "direction", "is missing"),
+        ({**BENT, "at": "load", "direction": "x"}, "quantity", "must be 'force' at 'load'"),
+        ({"at": "base"}, "of", "of a windup at 'base', got 'torque'"),
+        ({"at": "base", "of": "rate"}, "of", "must be 'angle' or 'motor_angle' of a windup at 'base', got"),
+        ({"at": "base", "of": "angle"}, "direction", "is missing: a windup at 'base'"),
+        ({"at": "base", "of": "angle", "quantity": "torque"}, "quantity", "must be 'windup' at 'base'"),
         ({"direction": "x"}, "direction", "must be left out at a joint"),
-        ({"at": "rod"}, "at", "rod"),
-        ({"at": "base"}, "at", "base"),
+        ({"at": "nowhere"}, "at", "there is no joint, link, payload or base 'nowhere'; there are hinge, rod"),
         ({"knots": []}, "knots", "unknown key; allowed are at, quantity, of, x, value, direction"),
         ({"value": [-2e-3, 0.0, 6e-3]}, "value", "must not rise with the torque by 1/stiffness = 1e-05"),
         (
@@ -105,6 +120,28 @@ def test_values_are_parameters_with_numbers_and_the_units_of_their_quantity():
     for wrong in ("value.3", "value.x"):
         with pytest.raises(InvalidParameter, match=r"value (has 3 components|)"):
             parameters(arm, [f"effects.tabulated_law.hinge.{wrong}"])
+
+
+def test_a_rigid_link_has_no_curvature_and_an_arm_without_joints_no_state():
+    keys = {"of": "angle", "x": (0.0, 1.0), "value": (0.0, 1.0), "direction": "x"}
+    bent = TabulatedLaw(at="rod", quantity="curvature", **keys)
+    stiff = arm(joints=[hinge("hinge", "rod")], links=[rigid("rod", 1.0)])
+    with pytest.raises(InvalidParameter, match="'rod' is a rigid link; only a beam has a curvature"):
+        stiff.with_effect(bent)
+    still = arm(joints=[fixed("bolt", "rod")], links=[beam("rod", [0, 0, 1.0], TUBE)])
+    with pytest.raises(InvalidParameter, match="needs a joint that moves"):
+        still.with_effect(bent)
+
+
+def test_values_have_the_unit_of_their_quantity():
+    for at, quantity, unit in (
+        ("rod", "curvature", "1/m"),
+        ("load", "force", "N"),
+        ("base", "windup", "rad"),
+    ):
+        law = LAW.replace(at=at, quantity=quantity, of="angle", direction="x")
+        assert {each[2] for each in law.parameters()} == {unit}
+        assert {each.unit for each in law.priors(paper_arm(1)).values()} == {unit}
 
 
 def test_a_law_at_a_slide_has_the_units_of_the_slide():

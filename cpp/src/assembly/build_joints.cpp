@@ -7,6 +7,13 @@ namespace flexarm::assembly {
 using namespace geometry;
 using joints::JointType;
 
+namespace {
+
+/// Of the spring of a hinge that follows a table [N m/rad].
+constexpr double nearly_rigid = 1e9;
+
+}  // namespace
+
 void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
   for (const auto& [name, kind] : drives) joint_index(name);
 
@@ -61,6 +68,13 @@ void System::place_scalars(const std::map<std::string, DriveKind>& drives) {
       HingeCoordinates& at = hinges_[next++];
       at.theta = static_cast<int>(scalars.size());
       scalars.push_back({0, true});
+      if (hinge.follows) {
+        const PlacedTable y = placed(*hinge.follows);
+        const joints::WoundSpring spring{
+            {nearly_rigid}, y.of_rate ? joints::Of::rate : joints::Of::angle, y.table};
+        laws_.push_back({spring, at.theta, -1, y.scalar});
+        continue;
+      }
       if (hinge.laws.empty())
         laws_.push_back({joints::ReducerSpring{hinge.stiffness, hinge.damping}, at.theta, -1});
       for (const auto& law : hinge.laws) {

@@ -29,17 +29,20 @@ int index_of(const Things& things, const std::string& name, const std::string& w
 
 /// A uniform curvature κ puts the tip κ L²/2 beside the axis and turns it by κ L; what lies along the axis is
 /// a stretch. In the coordinates of a beam as long as the link.
-Vector6d bow_strain(const Matrix3d& R_LS, const model::BeamLink& beam) {
+Vector6d bow_strain(const Matrix3d& R_LS, const Vector3d& end, const Vector3d& bow) {
+  const Vector3d tip = R_LS.transpose() * bow;
+  const double L = end.norm();
+  Vector6d strain;
+  strain << tip.x(), 0, 0, 0, -2 * tip.z() / L, 2 * tip.y() / L;  // w' = −θy in the x-z plane
+  return strain;
+}
+
+void check_bow(const model::BeamLink& beam) {
   if (!(beam.bow_time >= 0)) {
     throw InvalidParameter("link '" + beam.name +
                            "': the time constant of its bow must not be negative, got " +
                            std::to_string(beam.bow_time) + " s");
   }
-  const Vector3d tip = R_LS.transpose() * beam.bow;
-  const double L = beam.end.norm();
-  Vector6d strain;
-  strain << tip.x(), 0, 0, 0, -2 * tip.z() / L, 2 * tip.y() / L;  // w' = −θy in the x-z plane
-  return strain;
 }
 
 template <class... Values>
@@ -134,6 +137,7 @@ System::System(const model::Arm& arm, const std::map<std::string, DriveKind>& dr
   place_closures();
   set_damping();  // of straight links
   set_bows();
+  place_state_loads();
   pair_beams();
   for (const model::Point& point : arm_.points) {
     const Place at = place(point.link);
@@ -234,11 +238,46 @@ void System::set_bows() {
   for (std::size_t k = 0; k < arm_.links.size(); ++k) {
     const auto* beam = std::get_if<model::BeamLink>(&arm_.links[k]);
     if (beam == nullptr || beam->bow.isZero(0)) continue;
+    check_bow(*beam);
     const LinkMesh& mesh = meshes_[k];
-    const Vector6d strain = bow_strain(mesh.R_LS, *beam);
+    const Vector6d strain = bow_strain(mesh.R_LS, beam->end, beam->bow);
     for (int e = mesh.first_element; e < mesh.first_element + mesh.n_nodes() - 1; ++e) {
       beams_[e].set_bow(beams_[e].length() / mesh.length() * strain, beam->bow_time);
     }
+  }
+}
+
+PlacedTable System::placed(const model::StateTable& table) const {
+  table.table.check();
+  const JointCoordinates& at = joint_coordinates_[joint_index(table.joint)];
+  if (at.theta < 0) throw InvalidParameter("joint '" + table.joint + "' does not move: it has no state");
+  if (table.of == joints::Of::torque || table.of == joints::Of::across)
+    throw InvalidParameter("a table at a place beside a joint is one of angle, rate or motor angle");
+  return {table.table, table.of == joints::Of::motor_angle ? at.phi : at.theta, table.of == joints::Of::rate};
+}
+
+void System::place_state_loads() {
+  for (std::size_t k = 0; k < arm_.links.size(); ++k) {
+    const auto* beam = std::get_if<model::BeamLink>(&arm_.links[k]);
+    if (beam == nullptr || !beam->curvature) continue;
+    const LinkMesh& mesh = meshes_[k];
+    const Vector3d along = mesh.R_LS.col(0), wanted = beam->curvature->direction;
+    const Vector3d across = wanted - along * along.dot(wanted);
+    if (!(across.norm() > 1e-6 * wanted.norm()))
+      throw InvalidParameter("link '" + beam->name + "': a curvature needs a direction across the beam");
+    const double L = mesh.length();
+    const Vector6d strain = bow_strain(mesh.R_LS, beam->end, 0.5 * L * L * across.normalized());
+    const PlacedTable table = placed(*beam->curvature);
+    for (int e = mesh.first_element; e < mesh.first_element + mesh.n_nodes() - 1; ++e) {
+      rest_strains_.push_back({table, static_cast<std::size_t>(e), beams_[e].length() / L * strain});
+    }
+  }
+  for (const model::Payload& payload : arm_.payloads) {
+    if (!payload.force) continue;
+    const Place on = place(payload.link);
+    const Attachment at = attach(meshes_[on.link], payload.position, true, on.node);
+    state_forces_.push_back(
+        {placed(*payload.force), at.node, at.offset * payload.offset, payload.force->direction});
   }
 }
 

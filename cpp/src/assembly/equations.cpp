@@ -166,6 +166,7 @@ void SystemIn<D>::add_masses(const StateD& state, const LoadsD& loads, VectorXd&
     const auto& at = loaded_point(load.point);
     r.template segment<n>(n * at.node) -= wrench<D>(load, at, state.frames[at.node]);
   }
+  if (has_state_loads()) add_state_loads(*this, state, r);
   for (const Part& part : superelements_) {
     part.add_forces(motion(part, state), loads.gravity, r.segment(n * part.node(0), n * part.n_interfaces()),
                     r.segment(scalar_offset() + part.mode(0), part.n_modes()));
@@ -277,6 +278,7 @@ VectorXd SystemIn<D>::law_tangents(const StateD& state, const TangentFactors& c,
     if (!friction && !joints::acts_at_rest(laws_[k].law)) continue;
     const joints::LawResponse response = respond(k, state);
     kappa[k] = c.stiffness * response.stiffness + c.damping * response.damping;
+    if (c.hold_tables && laws_[k].moves_hinge()) continue;
     kappa[n_laws + k] = c.stiffness * response.force_by_y + c.damping * response.force_by_y_rate;
   }
   return kappa;

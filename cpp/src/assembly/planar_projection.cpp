@@ -32,8 +32,8 @@ class Projection {
 
   PlanarSystem::Attempt attempt() {
     flat_.reset(new PlanarSystem);
-    const bool planar =
-        nodes() && beams() && parts() && joints() && closures() && masses() && loads() && start();
+    const bool planar = nodes() && beams() && parts() && joints() && closures() && masses() && loads() &&
+                        state_loads() && start();
     if (!planar) return {nullptr, obstacle_};
     points();
     flat_->pair_beams();
@@ -275,6 +275,31 @@ class Projection {
         return refuse("the load at point '" + system_.arm().points[load.point].name +
                       "' points out of the plane");
       }
+    }
+    return true;
+  }
+
+  bool state_loads() {
+    const auto placed = [&](PlacedTable table) {
+      table.scalar = new_index_[table.scalar];
+      return table;
+    };
+    for (const RestStrainIn<3>& load : system_.rest_strains()) {
+      const int node = system_.beams()[load.beam].node1();
+      const PlaneAxes& axes = flat_->axes_[node];
+      if ((axes.across().transpose() * load.strain).norm() > rounding * load.strain.norm())
+        return refuse("the tabulated curvature of link '" + link_of(node) + "' bends it out of the plane");
+      flat_->rest_strains_.push_back(
+          {placed(load.table), load.beam, axes.within().transpose() * load.strain});
+    }
+    for (const StateForceIn<3>& load : system_.state_forces()) {
+      const PlaneAxes& axes = flat_->axes_[load.node];
+      const double across = std::abs(normal_.dot(load.force));
+      if (across > rounding * load.force.norm() ||
+          std::abs(axes.normal().dot(load.place)) > rounding * system_.reach())
+        return refuse("the tabulated force on link '" + link_of(load.node) + "' pulls out of the plane");
+      flat_->state_forces_.push_back(
+          {placed(load.table), load.node, axes.part(load.place), flat_->base_.part(load.force)});
     }
     return true;
   }

@@ -31,7 +31,8 @@ bool has_three_numbers(const assembly::PlacedLaw& law) { return law.of < 0 && jo
 
 template <int D>
 bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent) {
-  const bool others = !arm.closures().empty() || !arm.superelements().empty() || !loads.points.empty();
+  const bool others = !arm.closures().empty() || !arm.superelements().empty() || !loads.points.empty() ||
+                      arm.has_state_loads();
   if (others) return false;
   const auto winds = [](const auto& gear) { return !gear.transmission.windup.empty(); };
   const auto is_ball = [](const auto& joint) { return joint.type() == joints::JointType::spherical; };

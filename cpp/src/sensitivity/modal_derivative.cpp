@@ -20,8 +20,8 @@ struct Matrices {
 };
 
 Matrices matrices(const assembly::SystemIn<3>& system, const State& state, const Loads& loads) {
-  return {system.tangent(state, loads, {0, 0, 1}, false), system.tangent(state, loads, {1, 0, 0}, false),
-          system.constraint_jacobian(state)};
+  return {system.tangent(state, loads, {0, 0, 1, 1, true}, false),
+          system.tangent(state, loads, {1, 0, 0}, false), system.constraint_jacobian(state)};
 }
 
 /// The forces μ of the constraints in every mode.

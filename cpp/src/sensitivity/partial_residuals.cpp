@@ -26,6 +26,7 @@ void PartialResidualsIn<D>::evaluate(const StateD& state, const StateDerivative&
   stresses(state, rhs);
   inertia(state, rhs);
   weights(state, loads, rhs);
+  if (system_.has_state_loads()) state_loads(state, derivative, rhs);
   joints(state, rhs);
   closures(state, rhs);
   parts(state, loads, rhs);
@@ -117,6 +118,35 @@ void PartialResidualsIn<D>::weights(const StateD& state, const LoadsD& loads, Sl
           (assembly::wrench<D>(load, up, H) - assembly::wrench<D>(load, down, H)) / variations_[p].spread();
     }
   }
+}
+
+/// In both models, and by prescribed coordinates that move with a parameter.
+template <int D>
+void PartialResidualsIn<D>::state_loads(const StateD& state, const StateDerivative& derivative,
+                                        Slopes& rhs) const {
+  VectorXd r(system_.n_velocities());
+  for (std::size_t p = 0; p < variations_.size(); ++p) {
+    const VariationIn<D>& one = variations_[p];
+    r.setZero();
+    assembly::add_state_loads(*one.minus, state, r);
+    r = -r;
+    assembly::add_state_loads(*one.plus, state, r);
+    rhs.col(static_cast<Eigen::Index>(p)).head(system_.n_free()) -= r.head(system_.n_free()) / one.spread();
+  }
+  const auto along = [&](const assembly::PlacedTable& table, int node, const auto& by_y) {
+    if (system_.is_free(table.scalar)) return;
+    const Slopes& rows = table.of_rate ? derivative.velocity : derivative.position;
+    for (const Eigen::Index p : driven_)
+      rhs.col(p).template segment<n>(n * node) -= by_y * rows(system_.scalar_offset() + table.scalar, p);
+  };
+  for (const auto& load : system_.rest_strains()) {
+    const Beam& beam = system_.beams()[load.beam];
+    const auto by_y = load.tangent(beam, state, true).by_y;
+    along(load.table, beam.node1(), by_y.template head<n>());
+    along(load.table, beam.node2(), by_y.template tail<n>());
+  }
+  for (const auto& load : system_.state_forces())
+    along(load.table, load.node, load.tangent(state, true).by_y);
 }
 
 template <int D>

@@ -38,6 +38,26 @@ void add_parts(const SystemIn<D>& system, const StateIn<D>& state, const LoadsIn
   }
 }
 
+/// Curvatures and forces that tables of a joint's state give. A strain r = b p takes the elastic energy from
+/// ½ eᵀ K e to ½ (e − r)ᵀ K (e − r).
+template <int D>
+void add_table_energies(const SystemIn<D>& system, const StateIn<D>& state, Energies& E) {
+  constexpr int n = freedoms<D>;
+  for (const auto& load : system.rest_strains()) {
+    const auto& beam = system.beams()[load.beam];
+    const FrameIn<D>&H1 = state.frames[beam.node1()], &H2 = state.frames[beam.node2()];
+    const Twist<D> e = beam.deformation(H1, H2, state.elapsed()), r = load.table.at(state).y * load.strain;
+    const Twist<D> e_dot = InverseTangentIn<D>(logarithm<D>(relative<D>(H1, H2)))
+                               .strain_rate(state.v.template segment<n>(n * beam.node1()),
+                                            state.v.template segment<n>(n * beam.node2()));
+    const Twist<D> stress = beam.stiffness().cwiseProduct(e - r + beam.damping_time() * e_dot);
+    E.elastic += (0.5 * r - e).dot(beam.stiffness().cwiseProduct(r));
+    E.table_power -= load.table.rate(state) * load.strain.dot(stress);
+  }
+  for (const auto& load : system.state_forces())
+    E.table_power -= load.forces(state).dot(state.v.template segment<n>(n * load.node));
+}
+
 }  // namespace
 
 template <int D>
@@ -46,6 +66,7 @@ Energies energies(const SystemIn<D>& system, const StateIn<D>& state, const Load
   Energies E;
   add_beams(system, state, E);
   add_parts(system, state, loads, E);
+  add_table_energies(system, state, E);
   for (const auto& body : system.bodies()) {
     const Twist<D> v = state.v.template segment<n>(n * body.node());
     E.kinetic += 0.5 * v.dot(body.mass() * v);

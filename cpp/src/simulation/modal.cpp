@@ -25,7 +25,7 @@ Eigen::VectorXd at_points(const System& system, State state, const Eigen::Ref<co
 Modes modes(const System& system, const Equilibrium& equilibrium, int count) {
   const State& state = equilibrium.state;
   const auto part = [&](double m, double c, double k) {
-    return system.tangent(state, equilibrium.loads, {m, c, k}, false);
+    return system.tangent(state, equilibrium.loads, {m, c, k, 1, true}, false);
   };
   Eigen::SparseMatrix<double> C = part(0, 1, 0);
   C.prune(0.0);

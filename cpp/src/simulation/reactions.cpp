@@ -8,9 +8,10 @@ namespace {
 
 /// Forces that act on the two ends of an element from outside, in the nodes' axes.
 template <int D>
-elements::TwoTwists<D> end_forces(const elements::BeamElementIn<D>& beam, const StateIn<D>& state,
+elements::TwoTwists<D> end_forces(const SystemIn<D>& system, std::size_t k, const StateIn<D>& state,
                                   const LoadsIn<D>& loads) {
   constexpr int n = freedoms<D>;
+  const auto& beam = system.beams()[k];
   const int n1 = n * beam.node1(), n2 = n * beam.node2();
   const FrameIn<D>&H1 = state.frames[beam.node1()], &H2 = state.frames[beam.node2()];
   elements::TwoTwists<D> v, v_dot;
@@ -24,6 +25,9 @@ elements::TwoTwists<D> end_forces(const elements::BeamElementIn<D>& beam, const 
       internal.f1 - elements::WeightIn<D>{beam.end_mass(), arm}.force(H1.R, loads.gravity);
   f.template tail<n>() +=
       internal.f2 - elements::WeightIn<D>{beam.end_mass(), -arm}.force(H2.R, loads.gravity);
+  for (const auto& load : system.rest_strains()) {
+    if (load.beam == k) f += load.forces(beam, state);
+  }
   return f;
 }
 
@@ -35,10 +39,12 @@ SectionForces section_forces(const SystemIn<D>& system, const StateIn<D>& state,
   constexpr int n = freedoms<D>;
   const assembly::LinkMesh& mesh = system.meshes()[link];
   if (!mesh.is_beam()) return {};
-  const auto& first = system.beams()[mesh.first_element];
-  const auto& last = system.beams()[mesh.first_element + mesh.n_nodes() - 2];
-  return {-space.wrench_at_node(first.node1(), end_forces(first, state, loads).template head<n>()),
-          space.wrench_at_node(last.node2(), end_forces(last, state, loads).template tail<n>())};
+  const auto first = static_cast<std::size_t>(mesh.first_element);
+  const std::size_t last = first + static_cast<std::size_t>(mesh.n_nodes()) - 2;
+  const auto& beams = system.beams();
+  return {
+      -space.wrench_at_node(beams[first].node1(), end_forces(system, first, state, loads).template head<n>()),
+      space.wrench_at_node(beams[last].node2(), end_forces(system, last, state, loads).template tail<n>())};
 }
 
 template <int D>

@@ -104,7 +104,7 @@ void RecorderIn<D>::energy(Eigen::Index k, const StateIn<D>& state, const LoadsI
   out_.gravity[k] = E.gravity;
   now_.dissipation = E.dissipation;
   now_.in_passage = E.in_passage;
-  now_.power = load_power(system_, state, loads) + E.bow_power;
+  now_.power = load_power(system_, state, loads) + E.bow_power + E.table_power;
   law_losses(system_, state, now_.loss);
   now_.s = state.s;
   now_.t = state.t;

@@ -133,7 +133,7 @@ void settle_teeth(const System& system, const Loads& loads, Newton& newton, Stat
 
 bool is_stable(const System& system, const State& state, const Loads& loads) {
   if (system.n_free() == 0) return true;
-  const Eigen::SparseMatrix<double> K = system.tangent(state, loads, {0, 0, 1}, false);
+  const Eigen::SparseMatrix<double> K = system.tangent(state, loads, {0, 0, 1, 1, true}, false);
   const Eigen::SparseMatrix<double> J = system.constraint_jacobian(state);
   double largest = system.mass();  // a rigid arm without gravity has no stiffness at all
   for (int k = 0; k < K.rows(); ++k) largest = std::max(largest, std::abs(K.coeff(k, k)));

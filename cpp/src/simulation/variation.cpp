@@ -13,7 +13,9 @@ void VariationIn<D>::check(const assembly::SystemIn<D>& system) const {
         varied->beams().size() == system.beams().size() &&
         varied->bodies().size() == system.bodies().size() &&
         varied->superelements().size() == system.superelements().size() &&
-        varied->laws().size() == system.laws().size() && varied->points().size() == system.points().size();
+        varied->laws().size() == system.laws().size() && varied->points().size() == system.points().size() &&
+        varied->rest_strains().size() == system.rest_strains().size() &&
+        varied->state_forces().size() == system.state_forces().size();
     if (!same) {
       throw InvalidParameter(
           "a derivative needs a model whose structure does not change with the parameter; this one gains or "

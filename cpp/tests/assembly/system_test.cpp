@@ -16,6 +16,20 @@ namespace {
 
 using Drives = std::map<std::string, DriveKind>;
 
+/// A curvature of the column, a force at the tool and a turn of the base, each of the state of a joint.
+flexarm::model::Arm arm_with_tables() {
+  using flexarm::joints::MonotoneCubic;
+  using flexarm::joints::Of;
+  flexarm::model::Arm arm = spatial_arm();
+  const MonotoneCubic table({-40, -1, 0.5, 40}, {-3, -0.2, 0.3, 5});
+  const flexarm::model::StateTable curvature{"turn", Of::angle, table, {1, 0, 0}},
+      force{"lift", Of::rate, table, {2, -1, 3}}, turn{"slide", Of::motor_angle, table};
+  std::get<flexarm::model::BeamLink>(arm.links[0]).curvature = curvature;
+  arm.payloads[0].force = force;
+  arm.pedestal = flexarm::model::Pedestal{.hinges = {{.axis = {0, 1, 0}, .follows = turn}}};
+  return arm;
+}
+
 /// Every kind of arm and drive that the assembly distinguishes.
 std::vector<System> systems() {
   std::vector<System> all;
@@ -44,6 +58,9 @@ std::vector<System> systems() {
       flexarm::joints::Transmission{.scale = 0.9, .amplitude = 0.03, .multiple = 9};
   all.emplace_back(rippling, Drives{{"turn", DriveKind::torque}, {"lift", DriveKind::free}});
   all.emplace_back(rippling, Drives{{"turn", DriveKind::motor_angle}, {"lift", DriveKind::link_angle}});
+  const flexarm::model::Arm tables = arm_with_tables();
+  all.emplace_back(tables, Drives{{"turn", DriveKind::torque}, {"slide", DriveKind::free}});
+  all.emplace_back(tables, Drives{{"turn", DriveKind::motor_angle}, {"lift", DriveKind::free}});
   all.emplace_back(tripod_arm(), Drives{{"turn", DriveKind::motor_angle}, {"wrist", DriveKind::free}});
   const Drives by_cylinder = {{"boom_pin", DriveKind::free}, {"cylinder_pin", DriveKind::free}};
   all.emplace_back(crane_arm(), by_cylinder);
@@ -121,6 +138,21 @@ TEST_CASE("Its damping part is the derivative by velocities, its mass part that 
     CHECK(relative_error(M, differences(with(&State::v_dot), n, 1e4)) < 1e-10);
     CHECK(error(M, M.transpose()) < 1e-15);
   }
+}
+
+TEST_CASE("Where tables are held, the stiffness of an arm without other couplings is symmetric") {
+  flexarm::model::Arm arm = arm_with_tables();
+  arm.joints[1].drive_train.stages = {{ReducerSpring{5000}}};
+  const System system(arm,
+                      {{"turn", DriveKind::free}, {"slide", DriveKind::free}, {"lift", DriveKind::free}});
+  const State state = system.rigid_state({0.1, 0.02, -0.2});
+  const Loads loads{.gravity = Vector3d::Zero()};
+  const auto unsymmetric = [&](bool hold) {
+    const MatrixXd K = system.tangent(state, loads, {0, 0, 1, 1, hold}, false);
+    return (K - K.transpose()).cwiseAbs().maxCoeff() / K.cwiseAbs().maxCoeff();
+  };
+  CHECK(unsymmetric(false) > 1e-3);
+  CHECK(unsymmetric(true) < 1e-3 * unsymmetric(false));
 }
 
 TEST_CASE(

@@ -132,6 +132,34 @@ doctest::String obstacle(const model::Arm& arm, const Loads& loads = {},
 
 }  // namespace
 
+TEST_CASE("Curvatures, forces and a turning base by tables move in the plane as they do in space") {
+  using joints::MonotoneCubic, joints::Of;
+  const auto table = [](const std::string& joint, Of of, double scale, const Vector3d& direction) {
+    return model::StateTable{joint, of, MonotoneCubic({-1, 0.1, 0.6, 1.5}, {0.0, scale, -0.5 * scale, scale}),
+                             direction};
+  };
+  model::Arm arm = flat_two_link_arm();
+  auto& upper = std::get<model::BeamLink>(arm.links[0]);
+  upper.curvature = table("shoulder", Of::angle, 5e-3, Vector3d::UnitZ());
+  arm.payloads[0].force = table("elbow", Of::rate, 4, {1, 0, 0.5});
+  arm.pedestal = model::Pedestal{
+      .hinges = {{.axis = Vector3d::UnitY(), .follows = table("shoulder", Of::motor_angle, 2e-3, {})}},
+      .axis = Vector3d::UnitY()};
+  check_same(both(arm, both_driven), 1e-7);
+
+  const auto obstacle = [&] {
+    const System system(arm, both_driven);
+    const Loads loads;
+    return PlanarSystem::about(system, static_equilibrium(system, {0.2, 0.2}, loads).state, loads).obstacle;
+  };
+  CHECK(obstacle() == "");
+  upper.curvature->direction = Vector3d::UnitY();
+  CHECK(obstacle() == "the tabulated curvature of link 'upper' bends it out of the plane");
+  upper.curvature.reset();
+  arm.payloads[0].force->direction = Vector3d::UnitY();
+  CHECK(obstacle() == "the tabulated force on link 'fore' pulls out of the plane");
+}
+
 TEST_CASE("The paper's arm moves in its plane as it does in space") {
   check_same(both(paper_arm({.hub_stiffness = 1e5, .damping_ratio = 0.01}), hinge_driven));
 }

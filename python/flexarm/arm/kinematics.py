@@ -61,6 +61,19 @@ def chain_to(arm: Any, place: str) -> list[Any]:
     return found
 
 
+def carrying_joint(arm: Any, place: str) -> Any:
+    """Return the moving joint that carries a link, a payload or what a joint carries.
+
+    Of the base, and where none carries it, the first that moves; None if none moves.
+    """
+    links = {each.name: each.name for each in arm.links}
+    links |= {joint.name: joint.child for joint in arm.joints}
+    links |= {load.name: load.link for load in arm.payloads}
+    moving = list(arm.moving_joints)
+    before = [each for each in chain_to(arm, links[place]) if each in moving] if place in links else []
+    return next(reversed(before), next(iter(moving), None))
+
+
 def joint_frame(arm: Any, joint: Any, parent: Pose) -> Pose:
     """Return the frame in which a joint turns, before it turns, in the pose of the place `joint.parent`."""
     if joint.at == "end":

@@ -55,6 +55,11 @@ def across(axis: Vector) -> tuple[Vector, Vector]:
     return first, scaled(-1.0, second)
 
 
+def part_across(direction: Vector, axis: Vector) -> Vector:
+    """Return the part of a direction normal to an axis; its length is the sine between them for unit ones."""
+    return added(direction, scaled(-dot(direction, axis) / dot(axis, axis), axis))
+
+
 def dot(a: Vector, b: Vector) -> float:
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -16,9 +16,14 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
+ANYWHERE = "joint, link, payload or base"
+"""Kind of place of an effect that acts at several kinds."""
+BASE = "base"
+"""Name of the base as a place."""
 _JOINT = """joint_compliance joint_stiffening joint_hysteresis backlash coulomb_friction viscous_friction
 lugre_friction motor_friction transmission_error gear_ratio cable_torque joint_radial_compliance
-joint_radial_clearance joint_tilt_compliance drive_lag tabulated_law oil_column end_cushion"""
+joint_radial_clearance joint_tilt_compliance drive_lag oil_column end_cushion"""
+_TABLE = "tabulated_law"
 _PAYLOAD = "payload_mass payload_offset payload_inertia"
 _LINK = "link_length link_stiffness link_mass link_damping link_bow"
 _BASE = "base_tilt base_compliance external_vibration"
@@ -29,6 +34,7 @@ _FRAME = "frame_registration frame_drift frame_scale"
 
 _BY_PLACE = {
     "joint": _JOINT,
+    ANYWHERE: _TABLE,
     "payload": _PAYLOAD,
     "link": _LINK,
     "base": _BASE,
@@ -51,6 +57,9 @@ def order_of(name: str) -> int:
 
 def places(arm: Arm, kind: str) -> list[str] | None:
     """Names of the places of a kind that an arm has; None for kinds that only a record has."""
+    if kind == ANYWHERE:
+        each = (places(arm, one) or [] for one in ("joint", "link", "payload", "base"))
+        return list(dict.fromkeys(name for names in each for name in names))
     if kind == "base":
         return ["base"]
     if kind == "joint":

@@ -207,6 +207,7 @@ def _link(member: Member) -> _core.BeamLink | _core.RigidLink | _core.SuperEleme
             mass_scale=member.mass_scale,
             bow=np.array(member.bow),
             bow_time=member.bow_time,
+            curvature=member.curvature,
         )
     if isinstance(link, RigidLink):
         return _core.RigidLink(
@@ -261,6 +262,7 @@ def _payload(name: str, load: Load) -> _core.Payload:
         mass=load.mass,
         inertia=np.array(load.inertia),
         offset=np.array(load.offset),
+        force=load.force,
     )
 
 

@@ -37,6 +37,7 @@ def core_hinges(hinges: Iterable[Hinge]) -> list[_core.Hinge]:
             damping=each.damping,
             type=_core.JointType.prismatic if each.slides else _core.JointType.revolute,
             laws=list(each.laws),
+            follows=each.follows,
         )
         for each in hinges
     ]
@@ -69,6 +70,8 @@ class Load:
     """Mass [kg], and inertia about its centre, link's axes [kg m2]."""
     offset: Vector = (0.0, 0.0, 0.0)
     """Of its centre from `position`, turning with the link there [m], shape (3,)."""
+    force: _core.StateTable | None = None
+    """At its centre, base axes [N]."""
 
 
 @dataclass
@@ -93,6 +96,8 @@ class Member:
     bow_time: float = 0.0
     """Where the tip of the unloaded beam is, from its place on a straight one, link's axes [m], and the time
     constant with which it gets there [s]; 0: it is there."""
+    curvature: _core.StateTable | None = None
+    """Without load; the tip bends in its direction, link's axes [1/m]."""
 
 
 Spring = tuple[Vector, float, float]
@@ -105,13 +110,14 @@ class Hinge:
 
     axis: Vector
     """Direction; its length is arbitrary, shape (3,)."""
-    stiffness: float
-    damping: float
+    stiffness: float = 0.0
+    damping: float = 0.0
     """Of its spring and damper [N m/rad], [N m s/rad]."""
     slides: bool = False
     """True if it gives along the axis [N/m], [N s/m]."""
     laws: tuple[_core.RadialClearance, ...] = ()
-    """In place of spring and damper."""
+    follows: _core.StateTable | None = None
+    """In place of spring and damper: laws, or a table that turns it [rad]."""
 
 
 @dataclass
@@ -125,9 +131,13 @@ class Base:
     vibration: tuple[float, float, float] | None = None
     """Amplitude [N m], frequency [Hz], phase [rad] of a moment about the arm's first axis."""
 
+    def turn(self, axis: Vector, table: _core.StateTable) -> None:
+        """Put the base on a hinge whose angle a table gives [rad]."""
+        self.hinges.append(Hinge(axis, follows=table))
+
     def hinge(self, springs: Iterable[Spring]) -> None:
         """Put the base on hinges, one behind the other."""
-        self.hinges = [Hinge(*spring) for spring in springs]
+        self.hinges += [Hinge(*spring) for spring in springs]
 
 
 @dataclass

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
+from flexarm.arm.vocabulary import ANYWHERE
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import end_of_simulation, needed_outputs, require_known_drive
 from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibration
@@ -78,7 +79,7 @@ class SimulationCache:
         for arm in arms:
             with suppress(InvalidParameter):
                 carried = record.applied_to(arm)
-                equations = frozenset((e.name, e.at) for e in arm.effects if e.place in ("joint", "base"))
+                equations = frozenset((e.name, e.at) for e in arm.effects if e.place in ("joint", "base", ANYWHERE))
                 kind = equations, _driving(record, carried)
                 alike.setdefault(kind, {}).setdefault(self._key(name, carried), []).append((arm, carried))
         found = []

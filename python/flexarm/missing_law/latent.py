@@ -15,7 +15,7 @@ for each of its directions (`slow`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -61,6 +61,8 @@ class Latent:
     """Linear response; None of a sensor, and of a slow motion in several directions."""
     slow: bool = False
     """True if no mode filters it (`slow`)."""
+    law: Mapping[str, str] | None = None
+    """Keys of the `tabulated_law` that a slow motion is as a function of a state; None if there is none."""
 
     @property
     def evidence_without(self) -> float:
@@ -191,7 +193,9 @@ def _along(directions: Sequence[SlowMotion], problem: Problem, fit: Fit, policy:
     bases = [basis for each in responses for basis in each.bases.values()]
     jacobian = np.column_stack([each.jacobian for each in responses])
     found = _linear(first.at, quantity, first.unit, problem, fit, bases, jacobian, policy)
-    return replace(found, response=None if others else responses[0], slow=True)
+    if others:
+        return replace(found, slow=True)
+    return replace(found, response=responses[0], slow=True, law=first.law)
 
 
 def _linear(

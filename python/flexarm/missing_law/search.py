@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -16,7 +16,7 @@ from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.sensors import without_idle_zeros
 from flexarm.diagnosis.verification import repaired
-from flexarm.effects.tabulated_law import ACTS, TabulatedLaw
+from flexarm.effects.tabulated_law import TabulatedLaw, states_of_table
 from flexarm.law_curve import LawCurve, LawKind
 from flexarm.missing_law.curves import as_torque, curve_in_time, curve_of_fit, curve_of_law, stiffness_of
 from flexarm.missing_law.latent import Latent, latent_motions, noise_scale
@@ -241,8 +241,9 @@ class _Inference:
         place = partial(_Place, latent, max(latent.model.log_evidence, best.model.log_evidence))
         if latent.slow:
             curve = curve_of_law(latent, search, best, self.policy)
-            of = f"{curve.says}, with the {best.of} of {latent.response.joint}; it is no part of the model"
-            return place([_Candidate(replace(curve, says=of))])
+            told = list(self._fitted(latent, best, [curve])) or [_Candidate(curve)]
+            whose = f", with the {best.of} of {latent.response.joint}"
+            return place([replace(each, curve=_said(each, whose, latent.law)) for each in told])
         told = self._as_table(latent, search, best) or self._along_states(latent, search, best)
         shares = _shares([each.evidence for each in told], 1.0)
         pairs = zip(told, shares, strict=True)
@@ -278,11 +279,14 @@ class _Inference:
             return
         stiffness = stiffness_of(latent)
         for curve in curves:
-            if law.of not in ACTS[curve.quantity] or not allows("the law was fitted through the simulation"):
+            keys = latent.law if latent.slow else {"quantity": curve.quantity}
+            if keys is None or law.of not in states_of_table(keys["quantity"], curve.at):
                 continue
             if law.kind == "law with memory" and (curve.quantity, law.of) != ("torque", "angle"):
                 continue
-            table = _table(law, curve, stiffness)
+            if not allows("the law was fitted through the simulation"):
+                continue
+            table = _table(law, curve, stiffness, keys)
             try:
                 fitted = fitted_law(self.estimator, self.fit, table, self.policy)
                 arm = repaired(self.problem.arm, fitted.fit, fitted.sizes)
@@ -296,14 +300,29 @@ class _Inference:
             yield _Candidate(told, AddedLaw(fitted, arm))
 
 
-def _table(law: Law, curve: LawCurve, stiffness: float) -> TabulatedLaw:
+def _said(told: _Candidate, whose: str, law: Mapping[str, str] | None) -> LawCurve:
+    """Return the curve of a slow motion with the joint whose state it is of, and why it is no effect.
+
+    `law` is that of `Latent`.
+    """
+    curve, why = told.curve, ""
+    if told.added is None:
+        why = "; it is no part of the model"
+        if law is None:
+            why += ", which has no table for a rotation of a joint across its axis"
+        elif curve.of not in states_of_table(law["quantity"], curve.at):
+            why += f", which has no table of the {curve.of.replace('_', ' ')} there"
+    return replace(curve, says=f"{curve.says}{whose}{why}")
+
+
+def _table(law: Law, curve: LawCurve, stiffness: float, keys: Mapping[str, str]) -> TabulatedLaw:
     """Return the linear estimate of a law as an effect."""
     per_windup = -stiffness if curve.quantity == "torque" else 1.0
     branches = dict(zip(BRANCHES_OF[law.kind], law.mean.reshape(-1, len(law.knots)), strict=True))
     return TabulatedLaw.model_validate(
         {
             "at": curve.at,
-            "quantity": curve.quantity,
+            **keys,
             "of": curve.of,
             "x": law.knots,
             "instant": law.instant[0] if law.instant else None,

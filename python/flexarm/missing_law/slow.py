@@ -17,10 +17,10 @@ joint that moves, and leave no joint out (`search`).
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import groupby
+from itertools import groupby, islice
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -28,20 +28,21 @@ from scipy.spatial.transform import Rotation
 from flexarm.arm import Arm
 from flexarm.arm.attachment import Payload
 from flexarm.arm.joint import Joint, Origin
-from flexarm.arm.kinematics import chain_to
+from flexarm.arm.kinematics import carrying_joint
 from flexarm.arm.link import Beam
 from flexarm.arm.rotation import across
+from flexarm.arm.vocabulary import BASE
 from flexarm.arm.weight import weight_statement
 from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.problem import Problem
 from flexarm.effects.link_bow import LinkBow
+from flexarm.effects.tabulated_law import directions_across
 from flexarm.missing_law.basis import basis_of
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.windup import Response
 
 AXES = "xyz"
-BASE = "base"
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +61,15 @@ class SlowMotion:
     arm: Arm
     """The model."""
 
+    @property
+    def law(self) -> Mapping[str, str] | None:
+        """Return the keys of the `tabulated_law` that it is; None if it is none."""
+        key = {"about": "windup", "towards": "curvature", "along": "force"}
+        how, _, axis = self.direction.partition(" ")
+        if self.quantity == "rotation" and self.at != BASE:
+            return None
+        return {"quantity": key[how], "direction": axis}
+
     def slopes(self, problem: Problem, policy: LawPolicy) -> Floats:
         """Return the derivative of the residual, shape (n,)."""
         coarse = problem.with_step(policy.response_step)
@@ -75,7 +85,9 @@ class SlowMotion:
                 for each in rows:
                     splines = bases[name].at(each.time)
                     blocks[-1][each.where] = slopes[each.where, None] * splines  # eq. (1)
-        return Response(problem, self.arm, _carrier(self.arm, self.at), bases, np.column_stack(blocks))
+        return Response(
+            problem, self.arm, carrying_joint(self.arm, self.at).name, bases, np.column_stack(blocks)
+        )
 
 
 def slow_motions(arm: Arm, policy: LawPolicy) -> Iterator[SlowMotion]:
@@ -89,12 +101,12 @@ def slow_motions(arm: Arm, policy: LawPolicy) -> Iterator[SlowMotion]:
             sides = [_turned_across(arm, joint, turn * axis) for turn in (e, -e)]
             yield _rotation(arm, joint.name, axis, sides, e)
     for link in (each for each in arm.links if isinstance(each, Beam)):
-        for axis in np.array(across(link.end)):
-            stated = arm.effect(LinkBow.name, link.name)
+        for letter, direction in islice(directions_across(link.end).items(), 2):
+            axis, stated = np.array(direction), arm.effect(LinkBow.name, link.name)
             bow = stated if isinstance(stated, LinkBow) else LinkBow(at=link.name)
             tips = [np.array(bow.tip_offset) + turn * link.length / 2 * axis for turn in (e, -e)]
             sides = [arm.with_effect(bow.replace(tip_offset=tuple(tip.tolist()))) for tip in tips]
-            models, towards = _difference(sides, e / link.length), f"towards {_letter(axis)}"
+            models, towards = _difference(sides, e / link.length), f"towards {letter}"
             yield SlowMotion(link.name, "curvature", towards, "1/m", 1 / link.length, models, arm)
     mass, g = weight_statement(arm).whole.mass, 9.81
     for load in arm.payloads:
@@ -169,16 +181,6 @@ def _loaded(arm: Arm, load: Payload, mass: float) -> Arm:
     name = "_".join(["more", *(each.name for each in arm.payloads)])
     more = Payload(name=name, link=load.link, position=load.position, mass=mass)
     return arm.replace(payloads=(*arm.payloads, more))
-
-
-def _carrier(arm: Arm, at: str) -> str:
-    """Return the moving joint that is or carries a place; else the first."""
-    links = {each.name: each.name for each in arm.links}
-    links |= {joint.name: joint.child for joint in arm.joints}
-    links |= {load.name: load.link for load in arm.payloads}
-    moving = list(arm.moving_joints)
-    before = [each for each in chain_to(arm, links[at]) if each in moving] if at in links else []
-    return (before[-1] if before else moving[0]).name
 
 
 def _letter(axis: Floats) -> str:

@@ -91,7 +91,9 @@ def test_a_law_that_enters_the_model_stands_before_places_that_explain_alike():
         ("hinge", "torque", "law"),
         ("base", "torque", "law"),
     ]
-    assert laws.curves[1].says.endswith("with the torque of hinge; it is no part of the model")
+    assert laws.curves[1].says.endswith(
+        "with the torque of hinge; it is no part of the model, which has no table of the torque there"
+    )
     assert laws.curves[0].probability > 0.5
 
 

@@ -270,3 +270,42 @@ def test_a_joint_turns_across_its_axis_where_its_frame_pitches_by_a_right_angle(
         found = moves(motions(model)["b", f"rotation about {letter}"], {})
         expected = [np.cross(turn.apply(axis), tip), np.zeros(3)]
         assert np.asarray(found) == pytest.approx(np.array(expected), abs=1e-6)
+
+
+HIDDEN = {
+    "curvature": (rod(), {"at": "rod", "direction": "x"}, 5e-4, "curvature towards x"),
+    "turning base": (rod(), {"at": "base", "direction": "z"}, 1e-3, "rotation about z"),
+    "force": (two_links(), {"at": "load", "direction": "y"}, 20.0, "force along y"),
+}
+"""Model, place, size of a table of the angle, and what it is called."""
+
+
+@cache
+def hidden_law(name: str) -> tuple[TabulatedLaw, MissingLaws]:
+    """A table of the angle of the joint that carries a place, and what is found of it."""
+    model, place, size, _ = HIDDEN[name]
+    x = np.linspace(-1.2, 1.2, 25)
+    quantity = {"rod": "curvature", "base": "windup", "load": "force"}[place["at"]]
+    value = tuple(size * np.tanh(x / 0.3))
+    law = TabulatedLaw(quantity=quantity, of="angle", x=tuple(x), value=value, **place)
+    joints = tuple(each.name for each in model.joints)
+    records = (record_of(model.with_effect(law), joints, {}, "tip", "mid", seed=seed) for seed in (1, 2))
+    return law, searched(model, *records)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list(HIDDEN))
+def test_a_table_beside_a_joint_is_found_and_enters_the_model(name):
+    law, found = hidden_law(name)
+    _, _, size, quantity = HIDDEN[name]
+    curve = found.curves[0]
+    assert (curve.at, curve.quantity, curve.of, curve.kind) == (law.at, quantity, "angle", "law")
+    assert "it is no part of the model" not in curve.says
+    assert found.added is not None
+    added = found.added.arm.effect("tabulated_law", law.at)
+    assert isinstance(added, TabulatedLaw)
+    assert (added.quantity, added.of, added.direction) == (law.quantity, law.of, law.direction)
+    assert curve.held_out.after_rms < 0.2 * curve.held_out.before_rms
+    rest = np.array(curve.value) - law(np.array(curve.x))
+    rest -= rest.mean()  # frames and clocks imitate a constant
+    assert np.abs(rest).max() < 0.2 * size

@@ -20,6 +20,7 @@
 #include "flexarm/assembly/loop_closures.hpp"
 #include "flexarm/assembly/mesh.hpp"
 #include "flexarm/assembly/state.hpp"
+#include "flexarm/assembly/state_loads.hpp"
 #include "flexarm/elements/beam_pair.hpp"
 #include "flexarm/elements/rigid_body.hpp"
 #include "flexarm/elements/superelement.hpp"
@@ -50,6 +51,9 @@ struct PlacedLaw {
   joints::JointLaw law;
   int plus, minus;
   int of = -1;
+
+  /// Whether it turns a hinge by a table of a joint's state.
+  bool moves_hinge() const { return minus < 0 && std::holds_alternative<joints::WoundSpring>(law); }
 };
 
 /// The node that turns on a hinge of the base or of a joint's mount, and its angle.
@@ -101,11 +105,14 @@ using Loads = LoadsIn<3>;
 struct TangentFactors {
   double mass, damping, stiffness;
   double constraint = 1;  ///< scale s of constraints and multipliers: rows s Φ, forces s Φ_qᵀ λ̂
+  /// What tables of a joint's state give to links, payloads and the base stays: then K is symmetric.
+  bool hold_tables = false;
 };
 
 /// Which terms of a tangent are wanted, beside those of mass and constraints, which cost little.
 struct WantedTerms {
   bool damping, stiffness;
+  bool tables = true;  ///< derivatives of tables of a joint's state, which are 0 where these are held
 };
 
 template <int D>
@@ -158,6 +165,9 @@ class SystemIn {
   /// Those of the pedestal first, then those of each joint's mount. Their constraints follow the joints'.
   const std::vector<HingeCoordinates>& hinges() const { return hinges_; }
   const std::vector<AttachmentIn<D>>& points() const { return points_; }
+  const std::vector<RestStrainIn<D>>& rest_strains() const { return rest_strains_; }
+  const std::vector<StateForceIn<D>>& state_forces() const { return state_forces_; }
+  bool has_state_loads() const { return !rest_strains_.empty() || !state_forces_.empty(); }
   double reach() const { return reach_; }  ///< a length of the arm, to scale by [m]
   double mass() const { return mass_; }    ///< of everything [kg]
 
@@ -232,6 +242,8 @@ class SystemIn {
   template <class Terms>
   void emit_weights(const StateD& state, const LoadsD& loads, WantedTerms wanted, Terms& terms) const;
   template <class Terms>
+  void emit_state_loads(const StateD& state, WantedTerms wanted, Terms& terms) const;
+  template <class Terms>
   void emit_joints(const StateD& state, WantedTerms wanted, Terms& terms) const;
   template <class Terms>
   void emit_closures(const StateD& state, WantedTerms wanted, Terms& terms) const;
@@ -264,6 +276,8 @@ class SystemIn {
   std::vector<DriveKind> drives_;
   std::vector<double> scalar_inertia_;
   std::vector<AttachmentIn<D>> points_;
+  std::vector<RestStrainIn<D>> rest_strains_;
+  std::vector<StateForceIn<D>> state_forces_;
 };
 
 }  // namespace flexarm::assembly

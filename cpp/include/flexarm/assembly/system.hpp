@@ -64,6 +64,9 @@ class System : public SystemIn<3> {
   [[noreturn]] void refuse(const std::vector<double>& nearest, const std::vector<int>& unknowns) const;
   void set_damping();
   void set_bows();
+  void place_state_loads();
+  /// @throws InvalidParameter unless the joint has such a state.
+  PlacedTable placed(const model::StateTable& table) const;
   int link_index(const std::string& name) const;
   /// @throws InvalidParameter if there is no such link or interface, or the interface is not named.
   Place place(const std::string& name, bool at_end = false) const;

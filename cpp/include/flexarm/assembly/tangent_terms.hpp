@@ -43,7 +43,7 @@ template <class Add>
 void SystemIn<D>::emit_tangent(const StateD& state, const LoadsD& loads, const TangentFactors& c,
                                const VectorXd& law_tangents, Add&& add) const {
   const detail::SumOfTerms<Add> sum{c, law_tangents, add};
-  emit_terms(state, loads, {c.damping != 0, c.stiffness != 0}, sum);
+  emit_terms(state, loads, {c.damping != 0, c.stiffness != 0, !c.hold_tables}, sum);
 }
 
 template <int D>
@@ -52,6 +52,7 @@ void SystemIn<D>::emit_terms(const StateD& state, const LoadsD& loads, WantedTer
                              Terms&& terms) const {
   emit_elements(state, loads, wanted, terms);
   emit_weights(state, loads, wanted, terms);
+  if (has_state_loads()) emit_state_loads(state, wanted, terms);
   for (int s = 0; s < n_free_scalars_; ++s) {
     terms.add(scalar_offset() + s, scalar_offset() + s, scalar_inertia_[s], 0, 0);
   }
@@ -134,6 +135,37 @@ void SystemIn<D>::emit_weights(const StateD& state, const LoadsD& loads, WantedT
     K = elements::WeightIn<D>{1, at.offset.x}.stiffness(R, load.force);
     if constexpr (D == 3) K.template bottomRightCorner<3, 3>() -= geometry::skew(R.transpose() * load.moment);
     block(n * at.node, K);
+  }
+}
+
+template <int D>
+template <class Terms>
+void SystemIn<D>::emit_state_loads(const StateD& state, WantedTerms wanted, Terms& terms) const {
+  const auto column = [&](const PlacedTable& table, int first_row, const auto& by_y) {
+    if (!is_free(table.scalar)) return;
+    for (int i = 0; i < by_y.size(); ++i) {
+      const double by_rate = table.of_rate ? by_y[i] : 0.0;
+      terms.add(first_row + i, scalar_offset() + table.scalar, 0, by_rate, by_y[i] - by_rate);
+    }
+  };
+  for (const RestStrainIn<D>& strain : rest_strains_) {
+    const Beam& beam = beams_[strain.beam];
+    const int at[] = {n * beam.node1(), n * beam.node2()};
+    StateTangentIn<D, 2 * n> of;
+    if (wanted.damping || wanted.stiffness) of = strain.tangent(beam, state, wanted.tables);
+    for (int a = 0; a < 2; ++a) {
+      for (int b = 0; b < 2; ++b)
+        for (int j = 0; j < n; ++j)
+          for (int i = 0; i < n; ++i) terms.stiffen(at[a] + i, at[b] + j, of.stiffness(n * a + i, n * b + j));
+      column(strain.table, at[a], of.by_y.template segment<n>(n * a));
+    }
+  }
+  for (const StateForceIn<D>& force : state_forces_) {
+    StateTangentIn<D, n> of;
+    if (wanted.damping || wanted.stiffness) of = force.tangent(state, wanted.tables);
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) terms.stiffen(n * force.node + i, n * force.node + j, of.stiffness(i, j));
+    column(force.table, n * force.node, of.by_y);
   }
 }
 

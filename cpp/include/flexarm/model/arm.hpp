@@ -34,6 +34,16 @@ enum class BeamTheory {
   euler_bernoulli,  ///< neither; the section keeps its inertia against twist
 };
 
+/// What a table of a joint's state gives, in a direction.
+struct StateTable {
+  std::string joint;
+  joints::Of of = joints::Of::angle;  ///< angle θ, its rate, or motor_angle φ
+  joints::ChangingTable table;
+  Vector3d direction = Vector3d::Zero();
+
+  bool operator==(const StateTable&) const = default;
+};
+
 /// A straight beam from the link's origin to `end`.
 struct BeamLink {
   std::string name;
@@ -48,6 +58,8 @@ struct BeamLink {
   double mass_scale = 1;            ///< on ρA and ρI [-]
   Vector3d bow = Vector3d::Zero();  ///< unloaded tip from `end`, uniform curvature, link axes [m]
   double bow_time = 0;  ///< it grows as 1 − exp(−t/bow_time) from the start of a run [s]; 0: is there
+  /// Curvature without stress [1/m]; the tip bends towards the part of the direction across, link axes.
+  std::optional<StateTable> curvature = {};
 };
 
 /// A rigid body.
@@ -83,6 +95,7 @@ struct Payload {
   double mass = 0;                       ///< [kg]
   Matrix3d inertia = Matrix3d::Zero();   ///< about its own centre, in the link's axes [kg m²]
   Vector3d offset = Vector3d::Zero();    ///< of the centre from `position`, turning with the section [m]
+  std::optional<StateTable> force = {};  ///< at the centre, along a direction in the base's axes [N]
 };
 
 /// A place to look at, or to push at.
@@ -92,13 +105,14 @@ struct Point {
   bool loaded = false;                   ///< carries point loads: gets a node of its own
 };
 
-/// A hinge that nothing drives, without mass: on a spring and a damper, or on laws instead. A prismatic one
-/// gives along its axis.
+/// A hinge that nothing drives, without mass: on a spring and a damper, or on laws or a table instead. A
+/// prismatic one gives along its axis.
 struct Hinge {
   Vector3d axis = Vector3d::UnitZ();
   double stiffness = 0, damping = 0;  ///< [N m/rad], [N m s/rad]; [N/m], [N s/m]
   joints::JointType type = joints::JointType::revolute;
   joints::DriveTrain::Parallel laws = {};
+  std::optional<StateTable> follows = {};  ///< angle about the axis [rad], on a nearly rigid spring
 };
 
 struct Joint {

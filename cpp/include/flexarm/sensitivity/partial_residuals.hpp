@@ -10,7 +10,8 @@
 ///
 /// with differences of the models' K, M, ... made once; σ goes to the nodes as in elements/beam.hpp, by
 /// beam_slopes.hpp. Weights and rotor inertias alike. Joints, gears, closures and super-elements that differ
-/// are evaluated in both models at the state. Laws: law_slopes.hpp. Prescribed coordinates and motor torques
+/// are evaluated in both models at the state, and so are loads of tables (assembly/state_loads.hpp). Laws:
+/// law_slopes.hpp. Prescribed coordinates and motor torques
 /// that depend on p come in with the tangents of what they touch.
 #pragma once
 
@@ -85,6 +86,7 @@ class PartialResidualsIn {
   void stresses(const StateD& state, Slopes& rhs);
   void inertia(const StateD& state, Slopes& rhs);
   void weights(const StateD& state, const LoadsD& loads, Slopes& rhs) const;
+  void state_loads(const StateD& state, const StateDerivative& derivative, Slopes& rhs) const;
   void joints(const StateD& state, Slopes& rhs) const;
   void closures(const StateD& state, Slopes& rhs) const;
   void parts(const StateD& state, const LoadsD& loads, Slopes& rhs);

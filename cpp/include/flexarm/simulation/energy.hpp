@@ -3,7 +3,8 @@
 ///
 ///     kinetic ½ vᵀ M v,   elastic ½ eᵀ K e and the laws' own,   gravity −g · Σ (m x + R s)            (1)
 ///
-/// For the exact motion  d/dt (kinetic + elastic + gravity) = work − loss, the work of growing bows included.
+/// For the exact motion  d/dt (kinetic + elastic + gravity) = work − loss, the work of growing bows and of
+/// tables of a joint's state included.
 /// Units: J, W.
 #pragma once
 
@@ -19,6 +20,7 @@ struct Energies {
   double kinetic = 0, elastic = 0, gravity = 0;
   double dissipation = 0;  ///< what the damping of beams and super-elements takes [W]
   double bow_power = 0;    ///< what growing bows give the beams [W], equation (7) of elements/beam.hpp
+  double table_power = 0;  ///< what loads of assembly/state_loads.hpp give [W]
   double in_passage = 0;   ///< part of elastic: of laws with a second argument, whose loss is all their force
 };
 
