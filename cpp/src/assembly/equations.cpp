@@ -166,7 +166,8 @@ void SystemIn<D>::add_masses(const StateD& state, const LoadsD& loads, VectorXd&
     const auto& at = loaded_point(load.point);
     r.template segment<n>(n * at.node) -= wrench<D>(load, at, state.frames[at.node]);
   }
-  if (has_state_loads()) add_state_loads(*this, state, r);
+  if (has_state_loads()) [[unlikely]]
+    add_state_loads(*this, state, r);
   for (const Part& part : superelements_) {
     part.add_forces(motion(part, state), loads.gravity, r.segment(n * part.node(0), n * part.n_interfaces()),
                     r.segment(scalar_offset() + part.mode(0), part.n_modes()));

@@ -66,7 +66,8 @@ Energies energies(const SystemIn<D>& system, const StateIn<D>& state, const Load
   Energies E;
   add_beams(system, state, E);
   add_parts(system, state, loads, E);
-  add_table_energies(system, state, E);
+  if (system.has_state_loads()) [[unlikely]]
+    add_table_energies(system, state, E);
   for (const auto& body : system.bodies()) {
     const Twist<D> v = state.v.template segment<n>(n * body.node());
     E.kinetic += 0.5 * v.dot(body.mass() * v);

@@ -21,9 +21,9 @@ flexarm::model::Arm arm_with_tables() {
   using flexarm::joints::MonotoneCubic;
   using flexarm::joints::Of;
   flexarm::model::Arm arm = spatial_arm();
-  const MonotoneCubic table({-40, -1, 0.5, 40}, {-3, -0.2, 0.3, 5});
+  const MonotoneCubic table({-40, -1, 0.5, 40}, {-3, -0.2, 0.3, 5}), line({-100, 100}, {-5, 5});
   const flexarm::model::StateTable curvature{"turn", Of::angle, table, {1, 0, 0}},
-      force{"lift", Of::rate, table, {2, -1, 3}}, turn{"slide", Of::motor_angle, table};
+      force{"lift", Of::rate, line, {2, -1, 3}}, turn{"slide", Of::motor_angle, table};
   std::get<flexarm::model::BeamLink>(arm.links[0]).curvature = curvature;
   arm.payloads[0].force = force;
   arm.pedestal = flexarm::model::Pedestal{.hinges = {{.axis = {0, 1, 0}, .follows = turn}}};
