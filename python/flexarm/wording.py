@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _RAISED = str.maketrans("234", "²³⁴")
-_WITHOUT_PREFIX = ("", "-", "1", "kg", "kg m2", "Hz", "%")
+_WITHOUT_PREFIX = ("", "-", "1", "1/m", "kg", "kg m2", "Hz", "%")
 _FREE_OF_SIZE = ("m", "rad", "s")
 """Units that begin an expression such as m/s, whose prefix stays below one.
 

@@ -28,6 +28,7 @@ def test_examples_hold():
         (14.1, "kg", "14.1 kg"),
         (0.0005, "kg", "0.000500 kg"),  # a prefix on kg would be read as one on g
         (1.02, "-", "1.02"),
+        (5e-4, "1/m", "0.000500 1/m"),  # no metre is milli
         (2e-5, "s/s", "20.0 µs/s"),
         (-1e-3, "s", "-1.00 ms"),
         (0.0, "m", "0 m"),
