@@ -79,7 +79,9 @@ class SimulationCache:
         for arm in arms:
             with suppress(InvalidParameter):
                 carried = record.applied_to(arm)
-                equations = frozenset((e.name, e.at) for e in arm.effects if e.place in ("joint", "base", ANYWHERE))
+                equations = frozenset(
+                    (e.name, e.at) for e in arm.effects if e.place in ("joint", "base", ANYWHERE)
+                )
                 kind = equations, _driving(record, carried)
                 alike.setdefault(kind, {}).setdefault(self._key(name, carried), []).append((arm, carried))
         found = []
