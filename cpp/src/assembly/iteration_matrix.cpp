@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flexarm/assembly/pattern.hpp"
 #include "flexarm/assembly/tangent_terms.hpp"
 
 namespace flexarm::assembly {
@@ -18,12 +19,17 @@ const Eigen::SparseMatrix<double>* IterationMatrixIn<D>::assemble(const StateIn<
                                                                   const LoadsIn<D>& loads,
                                                                   const TangentFactors& factors,
                                                                   const VectorXd& law_tangents) {
-  if (slots_.empty()) find_slots(state, loads, factors, law_tangents);
+  const auto emit = [&](auto&& add) { system_.emit_tangent(state, loads, factors, law_tangents, add); };
+  if (slots_.empty()) {
+    Pattern pattern(system_.n_unknowns(), emit);
+    full_ = std::move(pattern.matrix);
+    slots_ = std::move(pattern.slots);
+    kept_.assign(static_cast<std::size_t>(full_.nonZeros()), false);
+  }
   double* values = full_.valuePtr();
   std::fill(values, values + full_.nonZeros(), 0.0);
   std::size_t k = 0;
-  system_.emit_tangent(state, loads, factors, law_tangents,
-                       [&](int, int, double value) { values[slots_[k++]] += value; });
+  emit([&](int, int, double value) { values[slots_[k++]] += value; });
   if (!std::isfinite(full_.coeffs().sum())) return nullptr;  // as is the sum of what is not
   const bool grown = significant_entries_join();
   if (grown || matrix_.rows() == 0) matrix_.resize(full_.rows(), full_.cols());
@@ -35,25 +41,6 @@ template <int D>
 void IterationMatrixIn<D>::forget() {
   slots_.clear();
   matrix_ = {};
-}
-
-template <int D>
-void IterationMatrixIn<D>::find_slots(const StateIn<D>& state, const LoadsIn<D>& loads,
-                                      const TangentFactors& factors, const VectorXd& law_tangents) {
-  std::vector<Eigen::Triplet<double>> entries;
-  system_.emit_tangent(state, loads, factors, law_tangents,
-                       [&](int row, int column, double) { entries.emplace_back(row, column, 1.0); });
-  const int n = system_.n_unknowns();
-  full_.resize(n, n);
-  full_.setFromTriplets(entries.begin(), entries.end());
-  full_.makeCompressed();
-  slots_.reserve(entries.size());
-  for (const auto& entry : entries) {
-    const int* first = full_.innerIndexPtr() + full_.outerIndexPtr()[entry.col()];
-    const int* last = full_.innerIndexPtr() + full_.outerIndexPtr()[entry.col() + 1];
-    slots_.push_back(static_cast<int>(std::lower_bound(first, last, entry.row()) - full_.innerIndexPtr()));
-  }
-  kept_.assign(static_cast<std::size_t>(full_.nonZeros()), false);
 }
 
 /// Adds to the pattern what matters in the present numbers. @return whether it has grown

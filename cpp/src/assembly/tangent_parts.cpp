@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "flexarm/assembly/pattern.hpp"
 #include "flexarm/assembly/tangent_terms.hpp"
 
 namespace flexarm::assembly {
@@ -40,7 +41,13 @@ template <int D>
 void TangentPartsIn<D>::assemble(const StateIn<D>& state, const LoadsIn<D>& loads, double constraint_scale,
                                  bool friction) {
   const bool first = slots_.empty();
-  if (first) find_slots(state, loads);
+  if (first) {
+    const VectorXd none = system_.no_law_tangents();
+    Pattern pattern(system_.n_unknowns(),
+                    [&](auto&& add) { system_.emit_tangent(state, loads, {1, 1, 1, 1}, none, add); });
+    slots_ = std::move(pattern.slots);
+    M_ = C_ = K_ = std::move(pattern.matrix);
+  }
   const VectorXd damping = system_.law_tangents(state, {0, 1, 0, 0}, friction),
                  stiffness = system_.law_tangents(state, {0, 0, 1, 0}, friction);
   clear(C_);
@@ -49,25 +56,6 @@ void TangentPartsIn<D>::assemble(const StateIn<D>& state, const LoadsIn<D>& load
   system_.emit_terms(state, loads, {true, true},
                      Adding{slots_.data(), first ? M_.valuePtr() : nullptr, C_.valuePtr(), K_.valuePtr(),
                             constraint_scale, damping, stiffness});
-}
-
-template <int D>
-void TangentPartsIn<D>::find_slots(const StateIn<D>& state, const LoadsIn<D>& loads) {
-  std::vector<Eigen::Triplet<double>> entries;
-  const VectorXd none = system_.no_law_tangents();
-  system_.emit_tangent(state, loads, {1, 1, 1, 1}, none,
-                       [&](int row, int column, double) { entries.emplace_back(row, column, 1.0); });
-  const int n = system_.n_unknowns();
-  K_.resize(n, n);
-  K_.setFromTriplets(entries.begin(), entries.end());
-  K_.makeCompressed();
-  slots_.reserve(entries.size());
-  for (const auto& entry : entries) {
-    const int* first = K_.innerIndexPtr() + K_.outerIndexPtr()[entry.col()];
-    const int* last = K_.innerIndexPtr() + K_.outerIndexPtr()[entry.col() + 1];
-    slots_.push_back(static_cast<int>(std::lower_bound(first, last, entry.row()) - K_.innerIndexPtr()));
-  }
-  M_ = C_ = K_;
 }
 
 template class TangentPartsIn<2>;

@@ -27,8 +27,6 @@ class IterationMatrixIn {
   void forget();
 
  private:
-  void find_slots(const StateIn<D>& state, const LoadsIn<D>& loads, const TangentFactors& factors,
-                  const VectorXd& law_tangents);
   bool significant_entries_join();
   void compress();
 

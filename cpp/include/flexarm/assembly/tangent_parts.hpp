@@ -41,8 +41,6 @@ class TangentPartsIn {
   }
 
  private:
-  void find_slots(const StateIn<D>& state, const LoadsIn<D>& loads);
-
   const SystemIn<D>& system_;
   std::vector<int> slots_;  // where the k-th emitted number goes
   Matrix M_, C_, K_;
