@@ -1,8 +1,9 @@
-"""Fields of policies that have another name now, or are gone: old names are taken for one release."""
+"""Fields and arguments that have another name now, or are gone: old names are taken for one release."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import is_dataclass
 from functools import wraps
 from typing import Any, TypeVar
 from warnings import warn
@@ -15,10 +16,10 @@ T = TypeVar("T")
 def takes_former_names(
     renamed: Mapping[str, str], removed: Mapping[str, str] | None = None
 ) -> Callable[[type[T]], type[T]]:
-    """Return a decorator of data classes that takes and has fields by former names, with a warning.
+    """Return a decorator of classes that takes arguments by former names, with a warning.
 
-    `renamed` has new names by old ones, `removed` what replaced a field. A call that gives a removed one
-    raises InvalidParameter.
+    Data classes have the fields by these names, too. `renamed` has new names by old ones, `removed` what
+    replaced a field. A call that gives a removed one raises InvalidParameter.
     """
 
     def with_former(kind: type[T]) -> type[T]:
@@ -37,7 +38,8 @@ def takes_former_names(
 
         setattr(kind, "__init__", init)  # noqa: B010
         for old, new in renamed.items():
-            setattr(kind, old, _alias(kind, old, new))
+            if is_dataclass(kind):
+                setattr(kind, old, _alias(kind, old, new))
         return kind
 
     return with_former

@@ -400,3 +400,9 @@ def test_a_step_that_has_no_solution_says_when(sim: Stepper, start: State) -> No
         sim.step(start, {"shoulder": 1e16, "elbow": 0.4})
     assert caught.value.time is not None
     assert sim.step(start, inputs(1)) == sim.step(start, inputs(1))
+
+
+def test_the_former_name_of_inputs_is_taken_with_a_warning() -> None:
+    with pytest.warns(DeprecationWarning, match="Stepper.told is now Stepper.inputs"):
+        former = Stepper(paper_arm(), told={"hinge": "motor"})
+    assert repr(former) == repr(Stepper(paper_arm(), {"hinge": "motor"}))

@@ -25,6 +25,7 @@ from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, following_joints, joint_values, point_loads
 from flexarm.errors import InvalidParameter
+from flexarm.former_names import takes_former_names
 from flexarm.measurement.state_snapshots import StateSnapshots
 from flexarm.stepping.inputs import Input, Inputs
 from flexarm.stepping.readings import JointReading, PointReading
@@ -32,6 +33,7 @@ from flexarm.stepping.state import State
 from flexarm.tables import toml_text
 
 
+@takes_former_names({"told": "inputs"})
 class Stepper:
     """Steps an arm for a controller of the user's own.
 
