@@ -63,7 +63,7 @@ def arm(model_text: str) -> Arm:
         (modes, ["arm", "joints", "count", "sensitivities"]),
         (simulate, ["arm", "drive", "step", "alpha", "end", "sensitivities"]),
         (linearise, ["arm", "joints", "inputs", "modes"]),
-        (Stepper, ["arm", "told", "step", "alpha", "forces"]),
+        (Stepper, ["arm", "inputs", "step", "alpha", "forces"]),
         (Arm.from_toml, ["path"]),
         (Record.load, ["path"]),
         (Simulation.load, ["path"]),
@@ -74,7 +74,7 @@ def arm(model_text: str) -> Arm:
 def test_a_wrong_argument_is_named(
     arm: Arm, function: Callable[..., Any], names: list[str], wrong: Any
 ) -> None:
-    sound = {"arm": arm, "told": {"hinge": "motor"}, "path": "arm.toml", "drive": Drive({})}
+    sound = {"arm": arm, "inputs": {"hinge": "motor"}, "path": "arm.toml", "drive": Drive({})}
     for name in names:
         given = {key: value for key, value in sound.items() if key in names}
         with pytest.raises(InvalidParameter, match="nobody|" + name):

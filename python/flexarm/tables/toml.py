@@ -28,8 +28,6 @@ def read_text(file: Path) -> str:
     try:
         return file.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        if kind := table_of_text(error.object.decode("cp1252", "replace")):
-            raise InvalidFile(file, "file", kind) from None
         line = error.object[: error.start].count(b"\n") + 1
         byte = error.object[error.start]
         what = f"not a text in UTF-8: byte 0x{byte:02x} at position {error.start}"
@@ -40,7 +38,15 @@ def read_text(file: Path) -> str:
 
 def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
     """Return the tables of a TOML file and its text; its key `format` must say what is expected."""
-    text = read_text(file)
+    try:
+        text = read_text(file)
+    except InvalidFile as refused:
+        bad = refused.__cause__
+        if isinstance(bad, UnicodeDecodeError) and (
+            kind := table_of_text(bad.object.decode("cp1252", "replace"))
+        ):
+            raise InvalidFile(file, "file", kind) from None
+        raise
     try:
         data = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
