@@ -1,5 +1,7 @@
 """Tables of a joint's state that bend a link, push a payload or turn the base."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from arms import (
@@ -29,6 +31,7 @@ from flexarm.simulation.prepared import prepared
 from flexarm.simulation.side_by_side import side_by_side
 from flexarm.simulation.solve import solved
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 SPRING = JointCompliance(at="hinge", stiffness=8e4, damping=160.0)
 ANGLES = (-0.2, 0.3, 0.9, 1.7)
 SIZES = {"curvature": 2e-3, "force": 40.0, "windup": 2e-3}
@@ -141,6 +144,15 @@ def test_a_constant_curvature_is_a_bow(direction):
     one, two = run(model(constant("curvature", kappa, direction))), run(model(bow))
     close(one, two)
     assert np.asarray(one.elastic) == pytest.approx(np.asarray(two.elastic), rel=1e-6, abs=1e-8)
+
+
+def test_a_constant_curvature_of_a_beam_in_a_closed_loop_is_a_bow():
+    loop = flexarm.Arm.from_toml(EXAMPLES / "parallelogram.toml")
+    (bent,) = (link for link in loop.links if link.name == "lower")
+    table = constant("curvature", 1e-3, "z").replace(at="lower")
+    bow = LinkBow(at="lower", tip_offset=(0.0, 0.0, 1e-3 * bent.length**2 / 2))
+    moved = drive({"shoulder": lambda t: 0.2 * smooth_step(t / 2)}, 2.0, 201)
+    close(*(flexarm.simulate(loop.with_effect(effect), moved) for effect in (table, bow)))
 
 
 @pytest.mark.parametrize("direction", ["x", "y", "z"])
