@@ -16,7 +16,7 @@ from flexarm.comparison.align import Alignment
 from flexarm.comparison.alignment_parameters import AlignmentParameter
 from flexarm.comparison.simulated_record import Placement
 from flexarm.drive import Drive
-from flexarm.errors import InvalidParameter
+from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.measurement import ClockError, Registration, measure
 from flexarm.measurement.outliers import outliers
 from flexarm.record import CarriedPayload, Clock, Frame, Record, Signal
@@ -359,7 +359,9 @@ def test_table_and_figure_tell_units_and_noise(run):
     assert repr(found.signals["tip"]).startswith("<SignalGap 'tip': ")
     figure, axes = plt.subplots()
     assert found.plot(ax=axes, signal="tip") is axes
-    assert axes.get_ylabel() == "tip: measured - model [m]"
+    assert axes.get_ylabel() == "tip: measured - model [mm]"
+    drawn = np.asarray(axes.lines[0].get_ydata(), dtype=float)
+    assert drawn == pytest.approx(1e3 * found.signals["tip"].line("tangential")[1], nan_ok=True)
     assert axes.get_xlabel() == "time [s]"
     assert [text.get_text() for text in axes.get_legend().get_texts()] == [
         "tangential",
@@ -367,6 +369,21 @@ def test_table_and_figure_tell_units_and_noise(run):
         "noise, 2 sigma",
     ]
     plt.close(figure)
+
+
+def test_a_saved_comparison_holds_its_numbers_and_the_gap_of_each_signal(run, tmp_path):
+    found = compare(arm(), virtual(run))
+    found.save(tmp_path / "gap")
+    assert json.loads((tmp_path / "gap" / "comparison.json").read_text()) == found.to_json_dict()
+    names = {f"gap-{name}.{end}" for name in found.evidence for end in ("csv", "png")}
+    assert {path.name for path in (tmp_path / "gap").iterdir()} == {"comparison.json", *names}
+    header, *rows = (tmp_path / "gap" / "gap-tip.csv").read_text().splitlines()
+    assert header == "time_s,tangential [m],radial [m]"
+    values = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+    rms = np.sqrt(np.mean(values[:, 1] ** 2))
+    assert rms == pytest.approx(found.signals["tip"].rms["tangential"], rel=1e-6)
+    with pytest.raises(InvalidFile, match="holds files"):
+        found.save(tmp_path / "gap")
 
 
 def two_joints():

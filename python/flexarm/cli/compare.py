@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexarm.cli.options import AllowOutside, Json, Model, Step, blame, load_arm, refuse_step, show
+from flexarm.cli.options import AllowOutside, Force, Json, Model, Step, blame, load_arm, refuse_step, show
 from flexarm.cli.records import load_record
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
+    from flexarm.comparison.files import SavedGap
+    from flexarm.record import Record
 
 
 def compare(
@@ -19,6 +24,10 @@ def compare(
         bool, typer.Option("--raw", help="Take clocks, frames and outliers as they are, align nothing.")
     ] = False,
     step: Step = 2e-3,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Directory for numbers, tables and pictures.")
+    ] = None,
+    force: Force = False,
     allow_outside: AllowOutside = False,
 ) -> None:
     """Show the gap between a model and a record.
@@ -31,19 +40,33 @@ def compare(
 
         flexarm compare arm.toml measured
         flexarm compare arm.toml measured --raw --json
+        flexarm compare arm.toml measured --out gap
+
+    With --out DIR holds comparison.json, and of each signal gap-NAME.csv and gap-NAME.png.
     """
     refuse_step(step)
     arm = load_arm(model)
     measured = load_record(record, arm)
-    if measured.kind == "frequency_response":
-        from flexarm.comparison import compare_responses
-
-        with blame(model, record):
-            beside = compare_responses(arm, measured)
-        show(beside, json)
+    if out is None:
+        show(_gap(model, record, arm, measured, raw, step), json)
         return
+    from flexarm.input_files import input_files
+    from flexarm.output import output_directory
+
+    with output_directory(out, force, input_files(model, arm, {"record": measured}).values()) as directory:
+        result = _gap(model, record, arm, measured, raw, step)
+        result.write(directory)
+    show(result, json)
+    if not json:
+        print(f"\nwritten to {out}")
+
+
+def _gap(model: Path, record: Path, arm: Arm, measured: Record, raw: bool, step: float) -> SavedGap:
+    """Return the gap of motions and poses, or of frequency responses."""
     from flexarm.comparison import compare as gap
+    from flexarm.comparison import compare_responses
 
     with blame(model, record):
-        result = gap(arm, measured, align=not raw, step=step, check_step=True)
-    show(result, json)
+        if measured.kind == "frequency_response":
+            return compare_responses(arm, measured)
+        return gap(arm, measured, align=not raw, step=step, check_step=True)

@@ -11,11 +11,12 @@ import numpy as np
 
 from flexarm.arguments import AXES, TEXT, takes
 from flexarm.arm.consistency import missing
+from flexarm.arrays import Floats
 from flexarm.comparison.align import Alignment
+from flexarm.comparison.files import SavedGap
 from flexarm.comparison.gap import SignalGap
 from flexarm.errors import InvalidParameter
 from flexarm.json_values import plain
-from flexarm.pictures import Summarised
 from flexarm.wording import number, scale
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison(Summarised):
+class Comparison(SavedGap):
     """Hold the gap between a model and a record.
 
     Attributes
@@ -138,6 +139,10 @@ class Comparison(Summarised):
                 lines.append(f"{gap.name} [{unit}]  " + "   ".join(parts))
         return lines
 
+    def tables(self) -> dict[str, tuple[list[str], Floats]]:
+        """Return the gap of each signal that does not drive: names of columns, and the columns."""
+        return {name: gap.table() for name, gap in self.evidence.items()}
+
     @takes(ax=AXES, signal=TEXT)
     def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
         """Plot the gap of a signal over time, by direction, with the noise (2 sigma) as a band.
@@ -155,15 +160,15 @@ class Comparison(Summarised):
             raise InvalidParameter(missing("compared signal", signal, self.signals), where="signal")
         axes = plt.subplots()[1] if ax is None else ax
         gap = self.signals[signal] if signal is not None else next(iter(self.evidence.values()))
+        factor, unit = scale([gap.max["total"]], gap.unit)
         parts = [name for name, part in gap.parts.items() if part is not None]
         for name in parts:
-            axes.plot(*gap.line(name), lw=0.8, label=name)
+            time, part = gap.line(name)
+            axes.plot(time, factor * part, lw=0.8, label=name)
         if gap.noise_rms:
-            sigma = gap.noise_rms / np.sqrt(max(len(parts), 1))
+            sigma = factor * gap.noise_rms / np.sqrt(max(len(parts), 1))
             axes.axhspan(-2 * sigma, 2 * sigma, color="0.85", zorder=0, label="noise, 2 sigma")
-        axes.set(
-            xlabel="time [s]" if gap.bands else "pose", ylabel=f"{gap.name}: measured - model [{gap.unit}]"
-        )
+        axes.set(xlabel="time [s]" if gap.bands else "pose", ylabel=f"{gap.name}: measured - model [{unit}]")
         axes.legend()
         return axes
 

@@ -21,13 +21,13 @@ from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import stated_placement
 from flexarm.comparison.bands import Band
+from flexarm.comparison.files import SavedGap
 from flexarm.errors import InvalidParameter
 from flexarm.linear.linearise import linearise
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
 from flexarm.measurement.torque import gear_ratio
 from flexarm.modal import modes
-from flexarm.pictures import Summarised
 from flexarm.quantities import channel_names
 from flexarm.record.compatibility import unplaced_effects
 
@@ -86,6 +86,16 @@ class ResponseGap:
         size = float(np.sqrt(np.mean(np.sum(np.abs(self.measured) ** 2, axis=1))))
         return self.rms["total"] / size if size > 0 else float("inf")
 
+    def table(self) -> tuple[list[str], Floats]:
+        """Return names of columns and the columns: frequency, and both responses by channel."""
+        header, columns = ["frequency [Hz]"], [self.frequency_hz]
+        for k, channel in enumerate(self.channels):
+            for side, H in (("measured", self.measured[:, k]), ("model", self.model[:, k])):
+                name = side if channel == "total" else f"{side} {channel}"
+                header += [f"{name} real [{self.unit}]", f"{name} imaginary [{self.unit}]"]
+                columns += [H.real, H.imag]
+        return header, np.column_stack(columns)
+
     def _by_channel(self, values: Floats) -> dict[str, float]:
         return {
             name: float(value) for name, value in zip(self.channels, values, strict=True) if name != "total"
@@ -110,7 +120,7 @@ class ResponseGap:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ResponseComparison(Summarised):
+class ResponseComparison(SavedGap):
     """Hold the gap between a model and a record of frequency responses."""
 
     arm: str
@@ -151,6 +161,10 @@ class ResponseComparison(Summarised):
             lines.append(f"{gap.name:<18}{gap.unit:<14}" + "   ".join(parts))
         lines.append(f"modes of the model, drives held: {', '.join(f'{f:.4g}' for f in self.modes_hz)} Hz")
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def tables(self) -> dict[str, tuple[list[str], Floats]]:
+        """Return both responses of each signal by frequency: names of columns, and the columns."""
+        return {name: gap.table() for name, gap in self.signals.items()}
 
     def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
         """Plot the size of a measured response and the model's over frequency; default: the first signal."""

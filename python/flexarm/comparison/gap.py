@@ -64,6 +64,13 @@ class SignalGap:
         missing = np.flatnonzero(between > 5 * np.median(between)) + 1
         return np.insert(self.time, missing, np.nan), np.insert(part, missing, np.nan)
 
+    def table(self) -> tuple[list[str], Floats]:
+        """Return names of columns and the columns: time [s] or pose, and the residual by direction."""
+        along = "time_s" if self.bands else "pose"
+        measured = {name: part for name, part in self.parts.items() if part is not None}
+        header = [along, *(f"{name} [{self.unit}]" for name in measured)]
+        return header, np.column_stack([self.time, *measured.values()])
+
     def to_json_dict(self) -> dict[str, Any]:
         """Return the signal's object of `compare --json`."""
         return {

@@ -1,0 +1,80 @@
+"""A comparison as files: its numbers, and a table and a picture of the gap of each signal."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from io import BytesIO, StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexarm.arguments import FLAG, PATH, takes
+from flexarm.arrays import Floats
+from flexarm.output import output_directory, stems, write_file
+from flexarm.pictures import Summarised
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+NUMBERS = "comparison.json"
+
+
+class SavedGap(Summarised):
+    """Base of comparisons, which writes them into a directory."""
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Return the object of `flexarm compare --json`."""
+        raise NotImplementedError
+
+    def tables(self) -> Mapping[str, tuple[list[str], Floats]]:
+        """Return the gap of each signal: names of columns, and the columns, shape (n, column)."""
+        raise NotImplementedError
+
+    def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
+        """Draw the gap of a signal."""
+        raise NotImplementedError
+
+    @takes(path=PATH, force=FLAG)
+    def save(self, path: str | Path, force: bool = False) -> None:
+        """Write comparison.json, and of each signal that does not drive `gap-NAME.csv` and `gap-NAME.png`.
+
+        The JSON file holds what `flexarm compare --json` prints.
+
+        Parameters
+        ----------
+        path : str or Path
+            A new or empty directory.
+        force : bool
+            Write into a directory that holds files.
+
+        Raises
+        ------
+        InvalidFile
+            If the directory holds files, or cannot be written.
+        """
+        with output_directory(path, force) as directory:
+            self.write(directory)
+
+    def write(self, directory: Path) -> None:
+        """Write the files of `save` into a directory that exists."""
+        numbers = json.dumps(self.to_json_dict(), indent=2, allow_nan=False)
+        write_file(directory / NUMBERS, numbers + "\n")
+        tables = self.tables()
+        for (name, (header, columns)), stem in zip(tables.items(), stems(list(tables)), strict=True):
+            text = StringIO()
+            np.savetxt(text, columns, "%.9g", ",", header=",".join(header), comments="")
+            write_file(directory / f"gap-{stem}.csv", text.getvalue())
+            write_file(directory / f"gap-{stem}.png", self._image(name))
+
+    def _image(self, signal: str) -> bytes:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+        FigureCanvasAgg(figure)
+        self.plot(figure.subplots(), signal)
+        content = BytesIO()
+        figure.savefig(content, format="png", dpi=170)
+        return content.getvalue()
