@@ -53,6 +53,19 @@ def test_results_say_what_they_are(simulated, tmp_path):
     assert data[MASS].attrs == {"units": "kg", "nominal": 2.0}
 
 
+def test_results_are_drawn_over_the_runs(simulated, tmp_path):
+    found = flexarm.campaign(simulated, tmp_path / "out", n_jobs=1)
+    axes = found.plot("tip_position_max")
+    assert axes.get_xlabel() == "tip_position_max [m]"
+    assert sum(bar.get_height() for bar in axes.patches) == 16
+    bands = found.plot("tip_position")
+    assert (bands.get_xlabel(), bands.get_ylabel()) == ("time [s]", "tip_position [m]")
+    median = np.median(found.dataset["tip_position"].sel(axis="x").values, axis=0)
+    assert bands.lines[0].get_ydata() == pytest.approx(median)
+    with pytest.raises(flexarm.InvalidParameter, match="tip_position_rms"):
+        found.plot("hub")
+
+
 def test_the_directory_holds_nothing_else_and_tells_what_ran(simulated, tmp_path):
     done = flexarm.campaign(simulated, tmp_path / "out", n_jobs=1)
     assert entries(tmp_path / "out") == sorted(done.files)

@@ -196,3 +196,11 @@ def test_a_drive_of_the_motor_says_that_the_controller_does_not_act():
         "a record with a joint_command as drive lets it"
     )
     assert doubted("command", ratio=0, wrist=0.3) == doubted(ratio=0, hinge=0.3) == []
+
+
+def test_a_drive_is_drawn_with_its_unit():
+    axes = Drive.from_samples(T, {"hinge": cubic(T)}).plot()
+    assert axes.get_xlabel() == "time [s]"
+    assert axes.get_ylabel() == "angle [rad, m if prismatic]"
+    time, values = axes.lines[0].get_data()
+    assert values == pytest.approx(cubic(np.asarray(time)), abs=1e-12)

@@ -143,6 +143,31 @@ def test_a_static_record_holds_rows_of_poses(tmp_path: Path) -> None:
     assert Record.load(tmp_path / "again").signals["tip"] == tip
 
 
+def test_signals_are_drawn_with_their_units_on_the_reference_clock(record_dir: Path) -> None:
+    record = Record.load(record_dir)
+    figure = record.plot()
+    assert [ax.get_ylabel() for ax in figure.axes] == [
+        f"{s.name}\n[{s.unit}]" for s in record.signals.values()
+    ]
+    assert figure.axes[-1].get_xlabel() == f"time of the clock {record.reference_clock} [s]"
+    tip = record.signals["tip"]
+    [panel] = record.plot(["tip"]).axes
+    assert [line.get_label() for line in panel.lines] == list(tip.axes)
+    assert panel.lines[0].get_xdata() == approx(record.instants(tip))
+    with pytest.raises(InvalidParameter, match=r"'nose'.*hinge"):
+        record.plot(["nose"])
+
+
+def test_poses_are_drawn_in_their_order(tmp_path: Path) -> None:
+    rows = {"pose": np.array(["b", "a", "b"]), "values": [1.0, 2.0, 3.0]}
+    static = Record(
+        signals=[Signal(name="angle", quantity="joint_angle", joint="hinge", **rows)], kind="static"
+    )
+    [panel] = static.plot().axes
+    assert list(panel.lines[0].get_xdata()) == [0, 1, 0]
+    assert [text.get_text() for text in panel.get_xticklabels()] == ["b", "a"]
+
+
 def test_arrays_of_a_record_cannot_be_changed(record_dir: Path) -> None:
     signal = Record.load(record_dir).signals["tip"]
     with pytest.raises(ValueError, match="read-only"):

@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arguments import FLAG, JOBS, PATH, TEXT, takes
+from flexarm.arguments import AXES, FLAG, JOBS, PATH, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.campaigns.cases import label_names
 from flexarm.campaigns.engine import client_of, compute_here, compute_with, page_of
@@ -33,6 +33,7 @@ from flexarm.termination import told_on_exit
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 STUDY, SUMMARY = "study.json", "summary.html"
 FORMAT = "flexarm-campaign/1"
@@ -96,6 +97,29 @@ class Campaign(Shown):
     def files(self) -> tuple[str, ...]:
         """Names of its files."""
         return tuple(name for name in (STUDY, RESULTS, SUMMARY) if (self.directory / name).is_file())
+
+    @takes(name=TEXT, ax=AXES)
+    def plot(self, name: str | None = None, ax: Axes | None = None) -> Axes:
+        """Draw how a result spreads over the runs that did not fail.
+
+        A number is drawn as a histogram, a series as its median and the band that holds 90 % of the runs.
+
+        Parameters
+        ----------
+        name : str, optional
+            A variable of `dataset`; default: the first that was asked for.
+        ax : matplotlib Axes, optional
+            Where to draw.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such result.
+        """
+        from flexarm.campaigns.picture import draw
+
+        with self.dataset as data:
+            return draw(data, name, ax)
 
     def summary(self) -> str:
         """Return what ran, in lines."""

@@ -6,11 +6,12 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.arguments import ARM, ARRAY, ARRAYS, PATH, RECORD, TEXT, takes
+from flexarm.arguments import ARM, ARRAY, ARRAYS, AXES, PATH, RECORD, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
@@ -20,6 +21,9 @@ from flexarm.measurement.smoothing import interpolate
 from flexarm.record import Record
 from flexarm.record.columns import CsvFile
 from flexarm.tables.ranges import first_beyond, out_of_range, range_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, repr=False)
@@ -149,6 +153,29 @@ class Drive:
                     del joints[gear.output]
                     joints[gear.input] = replace(moved, coefficients=gear.ratio * moved.coefficients)
         return replace(self, joints=joints)
+
+    @takes(ax=AXES)
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw what drives each joint against time.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw; angles and torques share it.
+        """
+        import matplotlib.pyplot as plt
+
+        axes = plt.subplots()[1] if ax is None else ax
+        time = np.linspace(self.start, self.end, 2001)
+        forced = {"torque", "command"}
+        for name, joint in self.joints.items():
+            axes.plot(time, joint(time), label=f"{name} ({joint.side})")
+        kinds = {joint.side in forced for joint in self.joints.values()}
+        words = {False: "angle [rad, m if prismatic]", True: "torque or command [N m, N if prismatic]"}
+        axes.set(xlabel="time [s]", ylabel=", ".join(words[kind] for kind in sorted(kinds)))
+        if self.joints:
+            axes.legend()
+        return axes
 
 
 def samples_in(path: str | Path, arm: Arm, idle: bool = False) -> tuple[Floats, dict[str, Floats]]:

@@ -16,6 +16,7 @@ from flexarm.arguments import (
     FRAMES,
     NAME_OR_NAMES,
     NAMED,
+    NAMES,
     PATH,
     SIGNALS,
     TEXT,
@@ -34,6 +35,7 @@ from flexarm.tables import FrozenDict
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
     from flexarm.arm.arm import Arm
 
@@ -199,6 +201,24 @@ class Record(Shown):
             raise InvalidFile(path, "output", "needs the package pyarrow: pip install 'flexarm[import]'")
         with output_file(path, self.files) as partial:
             self.to_pandas().to_parquet(partial)
+
+    @takes(signals=NAMES)
+    def plot(self, signals: Iterable[str] | None = None) -> Figure:
+        """Draw signals against time, a panel each; of poses against the pose, of responses their size.
+
+        Parameters
+        ----------
+        signals : iterable of str, optional
+            Their names; default: all. Instants are those of the reference clock.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such signal, or none has values.
+        """
+        from flexarm.record.picture import figure_of
+
+        return figure_of(self, None if signals is None else list(signals))
 
     # ------------------------------------------------------------------- parts
 
