@@ -92,3 +92,30 @@ def test_a_frame_of_which_axes_are_missing_is_not_turned_about_them():
         part = tip.replace(values=tip.values[:, axes], axes=tuple("xyz"[k] for k in axes), channels=())
         records[name] = record.replace(signals={**record.signals, "tip": part}, frames={"tracker": stated})
     assert said(records) == []
+
+
+def on_one_clock(record: flexarm.Record, late: float) -> flexarm.Record:
+    """Return the record with all stamps of the robot's clock, those of the tip later by so much [s]."""
+    tip = record.signals["tip"]
+    shifted = tip.replace(time=tip.time + late, clock="robot")
+    return record.replace(signals={**record.signals, "tip": shifted}, clocks={"robot": Clock()})
+
+
+def lateness(records: dict[str, flexarm.Record]) -> list[str]:
+    return [remark for remark in check(arm(), records).remarks if " on the clock " in remark]
+
+
+@pytest.mark.parametrize("late", [0.35, -0.2])
+def test_a_signal_that_is_late_on_the_clock_of_the_joints_is_told(late):
+    """As logs are whose tracker began later: both stamped from their own start."""
+    frame = Frame(xyz=FAR.origin, rpy=FAR.rpy, translation=1e-3)
+    [remark] = lateness({"a": on_one_clock(swing(arm(*SOFT), FAR, 1, frame=frame), late)})
+    told = re.search(r"a: tip comes ([0-9.]+) (m?)s (late|early) on the clock robot", remark)
+    assert told and told[3] == ("late" if late > 0 else "early")
+    assert float(told[1]) * (1e-3 if told[2] else 1.0) == pytest.approx(abs(late), abs=5e-3)
+
+
+@pytest.mark.parametrize("effects", [[], SOFT])
+def test_what_the_model_misses_is_no_lateness(effects):
+    frame = Frame(xyz=FAR.origin, rpy=FAR.rpy, translation=1e-3)
+    assert lateness({"a": on_one_clock(swing(arm(*effects), FAR, 1, frame=frame), 0.0)}) == []

@@ -15,6 +15,8 @@ The delay of a clock in one record follows from the regression of `validation.ch
 
 v is minus the rate of the prediction and e the gap, both without what the other regressors explain, m the
 number of `independent_samples`. Two records contradict each other beyond `min_clock_step` and `min_sigmas`.
+A signal is late, by steps (2) until they rest, if its gap without its mean falls to less than one
+`unusual_ratio`, and the delay is beyond both and the stated sigma of its clock.
 
 With the gap g = measured - predicted and the prediction p in base axes, an error of the arm turns with the
 arm. An offset that does not turn is that of a frame which is not stated:
@@ -42,6 +44,7 @@ from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
+from flexarm.measurement.encoder import told
 from flexarm.measurement.frames import rotation_matrix
 from flexarm.measurement.sampling import columns
 from flexarm.measurement.tracker import base_position
@@ -211,6 +214,53 @@ def _delay(measured: Floats, predicted: Floats, regressors: Floats) -> tuple[flo
     delay = float(v @ e) / square
     left = float(np.sum((e - delay * v) ** 2))
     return delay, float(np.sqrt(left / min(len(e), POLICY.independent_samples) / square))
+
+
+def remarks_on_late_signals(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
+    """Report signals that come late or early on their stated clocks, by more than the model misses."""
+    for name, simulated in simulations.items():
+        if simulated.record.kind == "motion":
+            placement = initial_alignment(simulated)
+            for signal in simulated.evidence.values():
+                if signal.quantity in QUASI_STATIC and not simulated.record.clocks[signal.clock].unknown:
+                    yield from (f"{name}: {what}" for what in _lateness(simulated, placement, signal))
+
+
+def _lateness(simulated: SimulatedRecord, placement: Placement, signal: Signal) -> Iterator[str]:
+    rows = np.flatnonzero(signal.valid)
+    rows = rows[:: -(-len(rows) // POLICY.rigid_rows) or 1]
+    if len(rows) < POLICY.min_rows:
+        return
+    instants, values = simulated.instants(signal, placement)[rows], signal.values[rows]
+    shown = told(simulated.simulation, signal, simulated.record.drive)
+
+    def centred(shift: float) -> Floats:
+        shifted = np.clip(instants - shift, *simulated.simulation.time[[0, -1]])
+        found = simulated.reading(shown, shifted, placement)
+        return np.asarray(found - np.mean(found, axis=0))
+
+    measured = values - np.mean(values, axis=0)
+    delay, h = 0.0, POLICY.short_delay
+    for _ in range(POLICY.registration_steps):
+        rate = (centred(delay + h) - centred(delay - h)) / (2 * h)
+        square = float(np.sum(rate**2))
+        change = float(np.sum(rate * (measured - centred(delay)))) / square if square > 0 else 0.0
+        delay += change
+        if abs(change) < POLICY.min_clock_step / 10:
+            break
+    before, after = (float(np.sqrt(np.sum((measured - centred(d)) ** 2))) for d in (0.0, delay))
+    if square <= 0 or not before > POLICY.unusual_ratio * after:
+        return
+    sigma = after * np.sqrt(len(rows) / min(len(rows), POLICY.independent_samples) / square)
+    stated = float(np.hypot(sigma, simulated.record.clocks[signal.clock].sigma))
+    if abs(delay) > max(POLICY.min_clock_step, POLICY.min_sigmas * stated):
+        word = "late" if delay > 0 else "early"
+        was, left = (with_unit(size / len(rows) ** 0.5, signal.unit, 2) for size in (before, after))
+        yield (
+            f"{signal.name} comes {with_unit(abs(delay), 's', 3)} {word} on the clock {signal.clock}: so "
+            f"shifted, its gap is {left} rms in place of {was}; give it a clock of its own "
+            'in [clocks], "unknown" if nobody knows how late it is'
+        )
 
 
 def remarks_on_unstated_frames(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:

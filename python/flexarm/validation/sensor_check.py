@@ -32,6 +32,7 @@ from flexarm.validation.drive_hypotheses import implausible_drives
 from flexarm.validation.finding import RecordFindings, RemovedOutliers, ValidationResult, merge_findings
 from flexarm.validation.frames_and_clocks import (
     remarks_on_frames,
+    remarks_on_late_signals,
     remarks_on_poses,
     remarks_on_shared_clocks,
     remarks_on_shared_frames,
@@ -141,6 +142,7 @@ def check(
         remarks += [*remarks_on_clocks(simulations, seen), *remarks_on_frames(simulations)]
         remarks += remarks_on_unstated_frames(simulations)
         remarks += [*remarks_on_shared_frames(simulations), *remarks_on_shared_clocks(simulations, seen)]
+        remarks += remarks_on_late_signals(simulations)
     sure = {
         v.record: confirmed_inputs(arm, named[v.record], v.channels) for v in all_findings if v.drive is None
     }
