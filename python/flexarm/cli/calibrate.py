@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 def calibrate(
     model: Model,
     records: Annotated[
-        list[Path], typer.Argument(metavar="RECORD...", help="Directories with record.toml: what is fitted.")
+        list[Path], typer.Argument(metavar="RECORD", help="Directories with record.toml: what is fitted.")
     ],
     out: Out,
     family: Annotated[

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flexarm.record import Record
 
 Records = Annotated[
-    list[Path], typer.Argument(metavar="RECORD...", help="Directories with record.toml: what to explain.")
+    list[Path], typer.Argument(metavar="RECORD", help="Directories with record.toml: what to explain.")
 ]
 HoldOut = Annotated[
     Path | None,
