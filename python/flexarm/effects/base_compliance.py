@@ -35,6 +35,8 @@ class BaseCompliance(SpringEffect):
     """
 
     name = "base_compliance"
+    typical_stiffness: ClassVar[float] = 3e6
+    """Of a machine bolted to a floor [N m/rad]; a rigid base is probed with it."""
     upright: ClassVar[float] = 0.9
     """Cosine between the first axis and z above which a search tries a base that gives about x and y too."""
     stiffness: Stiffness = value_in("N m/rad", "stiffness of the base, or [about x, about y]", inf)
@@ -71,7 +73,7 @@ class BaseCompliance(SpringEffect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From a frame on a floor of wood to a plate on bedrock; damping in proportion."""
-        typical = 3e6
+        typical = self.typical_stiffness
         stiffness = typical if self.inert else self.softest
         where = (
             "engineering judgement: frames bolted to a floor from 1e5, plates grouted into concrete to 1e8"

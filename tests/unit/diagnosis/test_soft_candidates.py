@@ -62,6 +62,20 @@ def test_a_base_under_an_upright_axis_is_tried_about_that_and_about_x_and_y():
     )
 
 
+def test_a_spring_that_no_model_states_is_first_tried_where_its_prior_is_greatest():
+    """A probe far softer than any base is out of phase with the machine, and promises nothing."""
+    model = carousel()
+    springs = {
+        place: tried[0]
+        for place, tried in found(model, ["turn", "lean"]).items()
+        if tried[0].effect.is_spring
+    }
+    assert {"joint_compliance", "joint_tilt_compliance", "base_compliance"} <= {name for name, _ in springs}
+    for candidate in springs.values():
+        typical = candidate.priors_in(model)["stiffness"].typical
+        assert candidate.probes[0].stiffness == pytest.approx(typical), candidate.place
+
+
 def test_a_delay_is_sought_at_commands_and_a_time_constant_at_all_drives():
     told = found(crane(), ["hinge"])["drive_lag", "hinge"][0]
     assert told.free == ("time_constant",)
@@ -85,16 +99,16 @@ def two():
 def test_a_base_on_two_springs_is_probed_about_one_axis_after_the_other():
     base = two()
     assert base.free == ("stiffness.x", "stiffness.y", "damping")
-    assert [probe.stiffness for probe in base.probes] == [(1e5, 1e12), (1e12, 1e5)]
+    assert [probe.stiffness for probe in base.probes] == [(3e6, 1e12), (1e12, 3e6)]
     sized = base.sized([1.0, 4.0]).stiffness
-    assert sized == pytest.approx((1e5, 2.5e4))
-    assert base.sized([1.0, -4.0]).stiffness == pytest.approx((1e5, 1e5 / 0.02))
+    assert sized == pytest.approx((3e6, 7.5e5))
+    assert base.sized([1.0, -4.0]).stiffness == pytest.approx((3e6, 3e6 / 0.02))
 
 
 def test_an_axis_about_which_nothing_is_seen_stays_rigid():
     seen = _seen(Probed(two(), np.array([[1.0, 1e-3], [0.0, 0.0]])))
     assert seen.candidate.free == ("stiffness.x", "damping")
-    assert seen.candidate.sized([2.0]).stiffness == pytest.approx((5e4, 1e12))
+    assert seen.candidate.sized([2.0]).stiffness == pytest.approx((1.5e6, 1e12))
 
 
 def test_springs_about_two_axes_act_as_others_and_others_as_they():
