@@ -178,6 +178,16 @@ def candidates(
     return [replace(c, free=tuple(k for k in c.free if k not in c.effect.in_motion)) for c in found]
 
 
+def vibrations(problem: Problem, arm: Arm, rest: Floats) -> list[Candidate]:
+    """Return external vibrations at the dominant frequencies of a residual."""
+    kind, rhythm = ExternalVibration, dominant_frequencies(rest, problem)
+    return [
+        candidate
+        for at in places_of(kind, problem, arm)
+        for candidate in _at_place(kind, at, problem, arm, rhythm, ())
+    ]
+
+
 def _at_place(
     kind: type[Effect],
     at: str,

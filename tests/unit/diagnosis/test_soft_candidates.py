@@ -1,17 +1,23 @@
 """What a search tries of bearings, bases on two springs and late drives, and where it does not."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from arms import G, arm, compliance, crane, hinge, point, rigid, smooth_step, tracker
 
 from flexarm import Drive, Signal, simulate
 from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.estimator import Estimator
+from flexarm.diagnosis.moves.search_state import vibrations_about
+from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import Probed, _seen
 from flexarm.effects import BaseCompliance, JointCompliance, JointTiltCompliance
 from flexarm.measurement.measure import measure
 
 TIME = np.linspace(0, 1, 51)
+PLACE = ("external_vibration", "base")
 
 
 def carousel():
@@ -23,8 +29,8 @@ def carousel():
     )
 
 
-def found(model, moved, quantity="joint_angle", rhythm=()):
-    """All candidates by place, of a model whose joints move along with a tracker at its tip."""
+def problem_of(model, moved, quantity="joint_angle"):
+    """A model whose joints move along with a tracker at its tip."""
     drive = Drive.from_samples(TIME, {name: 0.4 * smooth_step(TIME) for name in moved})
     record = measure(simulate(model, drive), [tracker(rate_hz=50)], np.random.default_rng(0))
     told = {
@@ -35,8 +41,14 @@ def found(model, moved, quantity="joint_angle", rhythm=()):
         for name in moved
     }  # fmt: skip
     record = record.replace(signals={**told, **record.signals}, drive=tuple(told))
+    return Problem(model, {"run": record})
+
+
+def found(model, moved, quantity="joint_angle", rhythm=()):
+    """All its candidates by place."""
     places = {}
-    for each in candidates(Problem(model, {"run": record}), model, rhythm, softer=(1.0, 30.0, 300.0)):
+    problem = problem_of(model, moved, quantity)
+    for each in candidates(problem, model, rhythm, softer=(1.0, 30.0, 300.0)):
         places.setdefault(each.place, []).append(each)
     return places
 
@@ -74,6 +86,23 @@ def test_a_spring_that_no_model_states_is_first_tried_where_its_prior_is_greates
     for candidate in springs.values():
         typical = candidate.priors_in(model)["stiffness"].typical
         assert candidate.probes[0].stiffness == pytest.approx(typical), candidate.place
+
+
+def test_vibrations_are_sought_at_the_frequencies_of_what_a_fit_leaves():
+    """About the nominal model friction or a soft joint may hide them."""
+    problem = problem_of(crane(), ["hinge"])
+    estimator = Estimator.nominal(problem, nuisance_model(problem))
+    rest = np.zeros(len(problem))
+    for row in problem.rows:
+        rest[row.where] = np.sin(2 * np.pi * 3.2 * row.time)
+    left = SimpleNamespace(members=(), spots=frozenset(), projected=rest)
+    probed = [Probed(SimpleNamespace(place=PLACE), np.empty((0, 0)))]
+    strongest, *_ = vibrations_about(estimator, probed, left)
+    assert strongest.candidate.place == PLACE
+    assert strongest.candidate.value_of("frequency") == pytest.approx(3.2, abs=0.25)  # a record of 1 s
+    assert np.abs(strongest.moves).max() > 0
+    there = SimpleNamespace(**{**vars(left), "spots": frozenset({PLACE})})
+    assert vibrations_about(estimator, probed, there) == []
 
 
 def test_a_delay_is_sought_at_commands_and_a_time_constant_at_all_drives():

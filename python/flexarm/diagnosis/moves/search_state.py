@@ -25,6 +25,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, nulls
+from flexarm.diagnosis.candidates import vibrations
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.screening import LONGER, Probed, linear_response
@@ -68,13 +69,37 @@ def probed_about(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> li
     return found
 
 
+def vibrations_about(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
+    """Return external vibrations of candidates at the frequencies of what a fit leaves, probed about it.
+
+    About the nominal model a larger effect hides them.
+    """
+    problem, found = estimator.problem, []
+    free = {each.candidate.place for each in probed} - fit.spots
+    with suppress(*FIT_ERRORS):
+        there = estimator.with_effects(fit.members)
+        for candidate in vibrations(problem, estimator.nuisance.arm, fit.projected):
+            if candidate.place in free:
+                base = candidate.base(there)
+                shaken = [base.with_effect(each) for each in candidate.probes]
+                problem.prepare([base, *shaken])
+                before = problem.residual(base)
+                moves = np.stack([problem.residual(each) - before for each in shaken], axis=1)
+                found.append(Probed(candidate, moves))
+    return found
+
+
 def rescreened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list[Probed]:
     """Return the same candidates, probed about the model of a fit; unchanged where that cannot be simulated.
 
-    A law that requires a spring which the fit lacks is unchanged. Small steps of a spring are of one variant;
-    softer ones are probed at full size.
+    A law that requires a spring which the fit lacks is unchanged, but for external vibrations, whose
+    frequencies are those of the residual of the fit. Small steps of a spring are of one variant; softer ones
+    are probed at full size.
     """
     coarse = replace(estimator, problem=estimator.problem.with_step(LONGER * estimator.problem.step))
+    shaken = vibrations_about(coarse, probed, fit)
+    moved = {each.candidate.place for each in shaken}
+    probed = [each for each in probed if each.candidate.place not in moved]
     there = {None, *fit.spots}
     found: list[Probed] = []
     smooth: dict[int, Probed] = {}
@@ -98,7 +123,7 @@ def rescreened(estimator: Estimator, probed: Sequence[Probed], fit: Fit) -> list
         stepped = small_steps(estimator, [each.candidate for each in smooth.values()], fit)
         for k, steps in zip(smooth, stepped, strict=True):
             found[k] = steps or smooth[k]
-    return found
+    return [*found, *shaken]
 
 
 def small_steps(estimator: Estimator, candidates: Sequence[Candidate], fit: Fit) -> Iterator[Probed | None]:
