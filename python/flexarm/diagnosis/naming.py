@@ -206,7 +206,7 @@ def rejected(choice: Choice, problem: Problem) -> tuple[Rejected, ...]:
             place = alternative.candidate.place
             if not alternative.within_reach and place not in chosen:
                 found[place] = Rejected(*place, -alternative.behind, IN_ITS_PLACE)
-    for fit, _ in choice.tried:
+    for fit in choice.tried:
         for place in fit.places:
             if place not in chosen and place not in found:
                 behind = log_bayes_factor(fit, choice.best, problem)

@@ -127,8 +127,8 @@ class Choice:
     """ln B of the chosen model over itself without each of its effects."""
     shares: list[float] = field(default_factory=list)
     """Part of the gap where each effect acts that it explains (`evidence.explained_share`)."""
-    tried: list[tuple[Fit, float]] = field(default_factory=list)
-    """Every fit and its gain of ln Z over the nominal model."""
+    tried: list[Fit] = field(default_factory=list)
+    """Every fit."""
 
     @property
     def gain(self) -> float:
@@ -149,8 +149,7 @@ def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = N
     tell("fitting alternatives", most / (most + 1))
     with until(WEIGHED):
         choice = swap(state, *converged(best, about))
-    gains = [(f, log_bayes_factor(f, null, problem)) for f in state.tried]
-    return replace(choice, tried=gains)
+    return replace(choice, tried=list(state.tried))
 
 
 def forward_and_backward(state: SearchState, about: Estimator, tell: Note) -> tuple[Fit, Estimator]:

@@ -33,7 +33,7 @@ def test_what_the_data_cannot_tell_from_a_named_effect_is_not_listed_as_rejected
     choice = SimpleNamespace(
         best=SimpleNamespace(places=[("joint_compliance", "hinge")]),
         alternatives=[[alternative("payload_mass", True), alternative("link_mass", False, 9.0)]],
-        tried=[(tried, 0)],
+        tried=[tried],
         value={},
     )
     found = naming.rejected(choice, SimpleNamespace(policy=SelectionPolicy()))
