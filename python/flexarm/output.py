@@ -125,12 +125,17 @@ def output_file(path: str | Path, inputs: Iterable[Path] = (), force: bool = Tru
             _note(target)
 
 
-def write_file(path: str | Path, content: str | bytes | memoryview, inputs: Iterable[Path] = ()) -> None:
+def write_file(
+    path: str | Path,
+    content: str | bytes | memoryview,
+    inputs: Iterable[Path] = (),
+    force: bool = True,
+) -> None:
     """Write a file, which appears when it is whole; text in UTF-8.
 
     Raise InvalidFile as `output_file`.
     """
-    with output_file(path, inputs) as partial:
+    with output_file(path, inputs, force) as partial:
         partial.write_bytes(content.encode() if isinstance(content, str) else content)
 
 

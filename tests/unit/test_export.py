@@ -218,6 +218,25 @@ def test_robot_files_without_the_model_s_joints_are_refused(files):
         flexarm.export_urdf(arm, files / "arm.urdf", files / "arm.urdf")
 
 
+@pytest.mark.parametrize("ending", ["urdf", "xml"])
+def test_a_file_that_another_run_wrote_meanwhile_is_not_replaced(files, ending):
+    """Two exports may both find the place free; the later one finds the file of the other."""
+    arm, export = Arm.from_toml(files / "arm.toml"), {"urdf": flexarm.export_urdf, "xml": flexarm.export_mjcf}
+    out = files / f"taken.{ending}"
+    out.write_text("of the other run")
+    with pytest.raises(InvalidFile, match="exists already"):
+        export[ending](arm, files / f"arm.{ending}", out, force=False)
+    assert out.read_text() == "of the other run"
+
+
+def test_a_part_that_another_run_wrote_meanwhile_is_not_replaced(part, tmp_path):
+    for name in ("part.mat", "part.bdf", "part.inp"):
+        (tmp_path / name).write_text("of the other run")
+        with pytest.raises(InvalidFile, match="exists already"):
+            flexarm.export_part(part, tmp_path / name, force=False)
+        assert (tmp_path / name).read_text() == "of the other run"
+
+
 @pytest.fixture(scope="module")
 def part() -> SuperElement:
     """A frame whose interfaces stand turned, in three ways."""

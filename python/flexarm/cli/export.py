@@ -48,11 +48,11 @@ def export(
     if path.suffix == ".nc":
         if urdf is not None or mjcf is not None:
             raise InvalidFile("command line", "--urdf, --mjcf", "are for models; a part needs --out alone")
-        files, notes = _part(path, out, unit or "m"), []
+        files, notes = _part(path, out, unit or "m", force), []
     else:
         if unit is not None:
             raise InvalidFile("command line", "--unit", "is for super-elements; models are in SI units")
-        files, notes = [out], _joints(path, urdf, mjcf, out)
+        files, notes = [out], _joints(path, urdf, mjcf, out, force)
     warn(out, [Problem("export", note) for note in notes])
     if json:
         print_json({"files": [str(file) for file in files], "notes": notes})
@@ -60,15 +60,15 @@ def export(
         print("\n".join(f"written to {file}" for file in files))
 
 
-def _part(path: Path, out: Path, unit: str) -> list[Path]:
+def _part(path: Path, out: Path, unit: str, force: bool) -> list[Path]:
     from flexarm.export import export_part
     from flexarm.superelement import SuperElement
 
     with blame(path):
-        return export_part(SuperElement.load(path), out, unit)
+        return export_part(SuperElement.load(path), out, unit, force)
 
 
-def _joints(path: Path, urdf: Path | None, mjcf: Path | None, out: Path) -> list[str]:
+def _joints(path: Path, urdf: Path | None, mjcf: Path | None, out: Path, force: bool) -> list[str]:
     if (urdf is None) == (mjcf is None):
         what = "exactly one must name the robot file that gets the joints of a model"
         raise InvalidFile("command line", "--urdf, --mjcf", what)
@@ -76,4 +76,6 @@ def _joints(path: Path, urdf: Path | None, mjcf: Path | None, out: Path) -> list
 
     arm = load_arm(path)
     with blame(path):
-        return export_urdf(arm, urdf, out) if urdf is not None else export_mjcf(arm, mjcf or out, out)
+        if urdf is not None:
+            return export_urdf(arm, urdf, out, force)
+        return export_mjcf(arm, mjcf or out, out, force)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexarm.arguments import ARM, PATH, takes
+from flexarm.arguments import ARM, FLAG, PATH, takes
 from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out, own_friction
 from flexarm.export.robot_file import add, number, read_robot, refuse_no_joint, remove, write_robot
 
@@ -25,8 +25,8 @@ _PLACED = ("class", "type", "pos", "axis", "group")
 """What the deflection has in common with its joint."""
 
 
-@takes(arm=ARM, mjcf=PATH, out=PATH)
-def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path) -> list[str]:
+@takes(arm=ARM, mjcf=PATH, out=PATH, force=FLAG)
+def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path, force: bool = True) -> list[str]:
     """Write a MuJoCo model again, with the friction, stiffness and rotors of a model's joints.
 
     Parameters
@@ -37,6 +37,8 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path) -> list[str]:
         The file to read; files that it includes are not followed.
     out : str or Path
         The file to write.
+    force : bool
+        Replace a file that exists.
 
     Returns
     -------
@@ -77,7 +79,7 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path) -> list[str]:
         _set(joint, armature=dynamics.armature)
         _set_friction(joint, dynamics, dynamics.viscous, dynamics.dry)
     refuse_no_joint(path, [dynamics.joint for dynamics in wanted], list(joints), written)
-    write_robot(file, Path(out), [path])
+    write_robot(file, Path(out), [path], force)
     return notes
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flexarm.arguments import PATH, TEXT, Kind, takes
+from flexarm.arguments import FLAG, PATH, TEXT, Kind, takes
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.export.foreign_form import ForeignForm, foreign_form
@@ -22,8 +22,8 @@ ENDINGS = (".mat", *NASTRAN, ".inp")
 PART = Kind("a SuperElement, such as SuperElement.load gives", lambda value: isinstance(value, SuperElement))
 
 
-@takes(element=PART, out=PATH, unit=TEXT)
-def export_part(element: SuperElement, out: str | Path, unit: str = "m") -> list[Path]:
+@takes(element=PART, out=PATH, unit=TEXT, force=FLAG)
+def export_part(element: SuperElement, out: str | Path, unit: str = "m", force: bool = True) -> list[Path]:
     """Write a super-element for Simscape (.mat), Nastran (.bdf, .dat, .nas) or Abaqus (.inp).
 
     Parameters
@@ -34,6 +34,8 @@ def export_part(element: SuperElement, out: str | Path, unit: str = "m") -> list
         The file; Abaqus's matrices stand in files beside it.
     unit : {"m", "mm"}
         m: m, kg, s, N. mm: mm, t, s, N, MPa. Simscape takes m.
+    force : bool
+        Replace a file that exists.
 
     Returns
     -------
@@ -54,14 +56,14 @@ def export_part(element: SuperElement, out: str | Path, unit: str = "m") -> list
         if unit != "m":
             raise InvalidFile(path, "unit", f"must be m for Simscape, got {unit!r}")
 
-        return write_simscape(element, path)
+        return write_simscape(element, path, force)
     if ending in NASTRAN:
-        return write_nastran(element, path, unit)
+        return write_nastran(element, path, unit, force)
 
-    return write_abaqus(element, path, unit)
+    return write_abaqus(element, path, unit, force)
 
 
-def write_simscape(element: SuperElement, path: Path) -> list[Path]:
+def write_simscape(element: SuperElement, path: Path, force: bool = True) -> list[Path]:
     """Write a MAT file (level 5) in SI units for the block Reduced Order Flexible Solid; return it.
 
         origins      (n, 3)      interface frames' positions in the part's frame [m]
@@ -92,14 +94,14 @@ def write_simscape(element: SuperElement, path: Path) -> list[Path]:
             "frequency_hz": element.frequency_hz[:, None],
         },
     )
-    write_file(path, image.getbuffer())
+    write_file(path, image.getbuffer(), force=force)
     return [path]
 
 
 _KEYWORDS = {"stiffness": "STIFFNESS", "mass": "MASS", "damping": "VISCOUS DAMPING"}
 
 
-def write_abaqus(element: SuperElement, path: Path, unit: str) -> list[Path]:
+def write_abaqus(element: SuperElement, path: Path, unit: str, force: bool = True) -> list[Path]:
     """Write an input deck with the points, and matrices as *MATRIX INPUT beside it; return the files.
 
     `part.inp` names `part_stiffness.mtx`, `part_mass.mtx` and `part_damping.mtx`: row point, component,
@@ -123,7 +125,7 @@ def write_abaqus(element: SuperElement, path: Path, unit: str) -> list[Path]:
         assembled.append(f"{keyword}={role.upper()}")
         files.append(file)
     lines.append(f"*MATRIX ASSEMBLE, {', '.join(assembled)}")
-    write_file(path, "\n".join(lines) + "\n")
+    write_file(path, "\n".join(lines) + "\n", force=force)
     return [path, *files]
 
 
@@ -138,7 +140,7 @@ def _label(freedom: Freedom) -> str:
     return f"{-freedom.point}, 1" if freedom.component == SCALAR else f"{freedom.point}, {freedom.component}"
 
 
-def write_nastran(element: SuperElement, path: Path, unit: str) -> list[Path]:
+def write_nastran(element: SuperElement, path: Path, unit: str, force: bool = True) -> list[Path]:
     """Write bulk data: GRID and SPOINT, and DMIG entries KAAX, MAAX and BAAX; return the file.
 
     A run takes them by K2GG = KAAX, M2GG = MAAX and B2GG = BAAX in case control. The freedoms of a grid stand
@@ -154,7 +156,7 @@ def write_nastran(element: SuperElement, path: Path, unit: str) -> list[Path]:
     for name, matrix in (("KAAX", form.stiffness), ("MAAX", form.mass), ("BAAX", form.damping)):
         if matrix.any():
             lines += _dmig(name, matrix, form)
-    write_file(path, "\n".join(lines) + "\n")
+    write_file(path, "\n".join(lines) + "\n", force=force)
     return [path]
 
 

@@ -140,7 +140,7 @@ def remove(parent: Element, child: Element) -> None:
     parent.remove(child)
 
 
-def write_robot(file: RobotFile, path: Path, inputs: list[Path]) -> None:
+def write_robot(file: RobotFile, path: Path, inputs: list[Path], force: bool) -> None:
     """Write an XML file, which appears when it is whole and replaces no input.
 
     Raise InvalidFile if it cannot be written.
@@ -148,7 +148,7 @@ def write_robot(file: RobotFile, path: Path, inputs: list[Path]) -> None:
     text = file.text()
     if "\r\n" in file.before + "".join(tag for tag, _ in file.tags.values()) + file.after:
         text = text.replace("\r\n", "\n").replace("\n", "\r\n")
-    write_file(path, text.encode(file.encoding, "xmlcharrefreplace"), inputs)
+    write_file(path, text.encode(file.encoding, "xmlcharrefreplace"), inputs, force)
 
 
 def refuse_no_joint(path: Path, wanted: list[str], there: list[str], written: int) -> None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexarm.arguments import ARM, PATH, takes
+from flexarm.arguments import ARM, FLAG, PATH, takes
 from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out, own_friction
 from flexarm.export.robot_file import add, number, read_robot, refuse_no_joint, remove, write_robot
 
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from flexarm.arm import Arm
 
 
-@takes(arm=ARM, urdf=PATH, out=PATH)
-def export_urdf(arm: Arm, urdf: str | Path, out: str | Path) -> list[str]:
+@takes(arm=ARM, urdf=PATH, out=PATH, force=FLAG)
+def export_urdf(arm: Arm, urdf: str | Path, out: str | Path, force: bool = True) -> list[str]:
     """Write a URDF file again, with the friction, stiffness and rotors of a model's joints.
 
     Parameters
@@ -33,6 +33,8 @@ def export_urdf(arm: Arm, urdf: str | Path, out: str | Path) -> list[str]:
         The file to read.
     out : str or Path
         The file to write.
+    force : bool
+        Replace a file that exists.
 
     Returns
     -------
@@ -68,7 +70,7 @@ def export_urdf(arm: Arm, urdf: str | Path, out: str | Path) -> list[str]:
             element.attrib.update({key: number(value) for key, value in friction.items()})
         _write_own(joint, dynamics)
     refuse_no_joint(path, [dynamics.joint for dynamics in wanted], list(joints), written)
-    write_robot(file, Path(out), [path])
+    write_robot(file, Path(out), [path], force)
     return notes
 
 
