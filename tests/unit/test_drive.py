@@ -204,3 +204,5 @@ def test_a_drive_is_drawn_with_its_unit():
     assert axes.get_ylabel() == "angle [rad, m if prismatic]"
     time, values = axes.lines[0].get_data()
     assert values == pytest.approx(cubic(np.asarray(time)), abs=1e-12)
+    pulled = Drive.from_samples(T, {"hinge": cubic(T)}, side="torque").plot()
+    assert pulled.get_ylabel() == "torque [N m, N if prismatic]"

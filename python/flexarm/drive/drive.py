@@ -167,12 +167,12 @@ class Drive:
 
         axes = plt.subplots()[1] if ax is None else ax
         time = np.linspace(self.start, self.end, 2001)
-        forced = {"torque", "command"}
+        words = dict.fromkeys(("motor", "output"), "angle [rad, m if prismatic]")
+        words |= {"torque": "torque [N m, N if prismatic]", "command": "command, as the controller takes it"}
         for name, joint in self.joints.items():
             axes.plot(time, joint(time), label=f"{name} ({joint.side})")
-        kinds = {joint.side in forced for joint in self.joints.values()}
-        words = {False: "angle [rad, m if prismatic]", True: "torque or command [N m, N if prismatic]"}
-        axes.set(xlabel="time [s]", ylabel=", ".join(words[kind] for kind in sorted(kinds)))
+        kinds = dict.fromkeys(words[joint.side] for joint in self.joints.values())
+        axes.set(xlabel="time [s]", ylabel=", ".join(kinds))
         if self.joints:
             axes.legend()
         return axes
