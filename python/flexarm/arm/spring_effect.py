@@ -121,11 +121,15 @@ class SpringEffect(Effect):
             for key, k in self.stiffnesses.items()
         }
 
+    def first_stiffness(self, arm: Arm) -> float:
+        """Return the stiffness [N m/rad] that a search begins with where the model states none."""
+        return self.typical_stiffness
+
     def trials(
         self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
     ) -> Iterator[Trial]:
         """Yield softer and softer springs, from the typical or the stated one on."""
-        start = dict.fromkeys(self.stiffnesses, self.typical_stiffness)
+        start = dict.fromkeys(self.stiffnesses, self.first_stiffness(arm))
         if isinstance(stated, SpringEffect) and not stated.inert:
             start = {key: k / self.least_softer for key, k in stated.stiffnesses.items()}
         yield from (Trial(start={key: k / times for key, k in start.items()}) for times in softer)

@@ -36,7 +36,7 @@ class BaseCompliance(SpringEffect):
 
     name = "base_compliance"
     typical_stiffness: ClassVar[float] = 3e6
-    """Of a machine bolted to a floor [N m/rad]; a rigid base is probed with it."""
+    """Of a machine bolted to a floor [N m/rad]."""
     upright: ClassVar[float] = 0.9
     """Cosine between the first axis and z above which a search tries a base that gives about x and y too."""
     stiffness: Stiffness = value_in("N m/rad", "stiffness of the base, or [about x, about y]", inf)
@@ -58,6 +58,14 @@ class BaseCompliance(SpringEffect):
         else:
             axes = [base_axis(machine.arm)]
         machine.base.hinge(self.soft_about(axes))  # eq. (1)
+
+    def first_stiffness(self, arm: Arm) -> float:
+        """Return the typical one where the model states springs of joints, else that of a joint.
+
+        In a model of rigid joints a base may stand for all that gives way below it.
+        """
+        stated = any(each.is_spring and each.place == "joint" and not each.inert for each in arm.effects)
+        return self.typical_stiffness if stated else SpringEffect.typical_stiffness
 
     @classmethod
     def variants(cls, at: str, arm: Arm, stated: Effect | None) -> list[Self]:

@@ -75,17 +75,20 @@ def test_a_base_under_an_upright_axis_is_tried_about_that_and_about_x_and_y():
 
 
 def test_a_spring_that_no_model_states_is_first_tried_where_its_prior_is_greatest():
-    """A probe far softer than any base is out of phase with the machine, and promises nothing."""
-    model = carousel()
-    springs = {
-        place: tried[0]
-        for place, tried in found(model, ["turn", "lean"]).items()
-        if tried[0].effect.is_spring
-    }
-    assert {"joint_compliance", "joint_tilt_compliance", "base_compliance"} <= {name for name, _ in springs}
-    for candidate in springs.values():
-        typical = candidate.priors_in(model)["stiffness"].typical
-        assert candidate.probes[0].stiffness == pytest.approx(typical), candidate.place
+    """A probe far softer than any base is out of phase with the machine, and promises nothing.
+
+    In a model of rigid joints a base may stand for one of them, and begins as soft.
+    """
+    rigid = found(carousel(), ["turn", "lean"])["base_compliance", "base"][0]
+    assert rigid.probes[0].stiffness == JointCompliance.typical_stiffness
+    model = carousel().with_effect(JointCompliance(at="turn", stiffness=2e5, damping=400.0))
+    first = [tried[0] for tried in found(model, ["turn", "lean"]).values()]
+    springs = [each for each in first if each.effect.is_spring and each.without is None]
+    names = {"joint_compliance", "joint_tilt_compliance", "base_compliance"}
+    assert names <= {each.name for each in springs}
+    for each in springs:
+        typical = each.priors_in(model)["stiffness"].typical
+        assert each.probes[0].stiffness == pytest.approx(typical), each.place
 
 
 def test_vibrations_are_sought_at_the_frequencies_of_what_a_fit_leaves():
@@ -128,16 +131,16 @@ def two():
 def test_a_base_on_two_springs_is_probed_about_one_axis_after_the_other():
     base = two()
     assert base.free == ("stiffness.x", "stiffness.y", "damping")
-    assert [probe.stiffness for probe in base.probes] == [(3e6, 1e12), (1e12, 3e6)]
+    assert [probe.stiffness for probe in base.probes] == [(1e5, 1e12), (1e12, 1e5)]
     sized = base.sized([1.0, 4.0]).stiffness
-    assert sized == pytest.approx((3e6, 7.5e5))
-    assert base.sized([1.0, -4.0]).stiffness == pytest.approx((3e6, 3e6 / 0.02))
+    assert sized == pytest.approx((1e5, 2.5e4))
+    assert base.sized([1.0, -4.0]).stiffness == pytest.approx((1e5, 1e5 / 0.02))
 
 
 def test_an_axis_about_which_nothing_is_seen_stays_rigid():
     seen = _seen(Probed(two(), np.array([[1.0, 1e-3], [0.0, 0.0]])))
     assert seen.candidate.free == ("stiffness.x", "damping")
-    assert seen.candidate.sized([2.0]).stiffness == pytest.approx((1.5e6, 1e12))
+    assert seen.candidate.sized([2.0]).stiffness == pytest.approx((5e4, 1e12))
 
 
 def test_springs_about_two_axes_act_as_others_and_others_as_they():
