@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.arguments import FLAG, PATH, takes
 from flexarm.arrays import Floats
-from flexarm.output import output_directory, stems, write_file
+from flexarm.output import SavedAsDirectory, stems, write_file
 from flexarm.pictures import Summarised
 
 if TYPE_CHECKING:
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 NUMBERS = "comparison.json"
 
 
-class SavedGap(Summarised):
+class SavedGap(SavedAsDirectory, Summarised):
     """Base of comparisons, which writes them into a directory."""
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -36,29 +35,11 @@ class SavedGap(Summarised):
         """Draw the gap of a signal."""
         raise NotImplementedError
 
-    @takes(path=PATH, force=FLAG)
-    def save(self, path: str | Path, force: bool = False) -> None:
+    def write(self, directory: Path) -> None:
         """Write comparison.json, and of each signal that does not drive `gap-NAME.csv` and `gap-NAME.png`.
 
         The JSON file holds what `flexarm compare --json` prints.
-
-        Parameters
-        ----------
-        path : str or Path
-            A new or empty directory.
-        force : bool
-            Write into a directory that holds files.
-
-        Raises
-        ------
-        InvalidFile
-            If the directory holds files, or cannot be written.
         """
-        with output_directory(path, force) as directory:
-            self.write(directory)
-
-    def write(self, directory: Path) -> None:
-        """Write the files of `save` into a directory that exists."""
         numbers = json.dumps(self.to_json_dict(), indent=2, allow_nan=False)
         write_file(directory / NUMBERS, numbers + "\n")
         tables = self.tables()
