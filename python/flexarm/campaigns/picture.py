@@ -30,7 +30,7 @@ def draw(data: xr.Dataset, name: str | None, ax: Axes | None) -> Axes:
     label = f"{chosen} [{variable.attrs.get('units') or '-'}]"
     if variable.attrs.get("measure") == "series":
         _draw_bands(axes, variable)
-        axes.set(xlabel="time [s]", ylabel=label)
+        axes.set(xlabel="time [s]", ylabel=label, title="median, and 90 % of the runs")
     else:
         _draw_histograms(axes, variable)
         axes.set(xlabel=label, ylabel="runs")
