@@ -63,7 +63,7 @@ class Flat:
         members: dict[int, list[int]] = {}
         for block, i in (self.place[key] for key in keys if key in self.place):
             members.setdefault(block, []).append(i)
-        return {block: np.unique(cells) for block, cells in members.items()}
+        return {block: np.array(cells) for block, cells in members.items()}
 
     def _points(self, name: str, keys: list[Key]) -> Ints:
         there = [self.index[key] for key in keys if key in self.index]
@@ -71,7 +71,7 @@ class Flat:
             number = next(number for key in keys if key not in self.index for number in key[1:])
             what = f"names {len(keys) - len(there)} nodes that do not exist, such as {number}"
             self.notes.append(Problem(f"set {name!r}", what))
-        return np.unique(np.array(there, int))
+        return np.array(there, int)
 
     def _materials(
         self, path: Path, materials: Names[Elastic], groups: Mapping[str, object]

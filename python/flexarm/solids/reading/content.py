@@ -45,9 +45,9 @@ class Content:
     blocks: list[Block]
     """Cells of every dimension."""
     groups: dict[str, dict[int, Ints]] = field(default_factory=dict)
-    """Name -> {index of a block: indices of its cells}."""
+    """Name -> {index of a block: indices of its cells}, in any order, repeated or not."""
     point_sets: dict[str, Ints] = field(default_factory=dict)
-    """Name -> indices of points."""
+    """Name -> indices of points, in any order, repeated or not."""
     materials: Mapping[str, Elastic] = field(default_factory=dict)
     """Name of a group -> its material."""
     notes: list[Problem] = field(default_factory=list)

@@ -129,7 +129,7 @@ class _Reader:
         for name, spans in self.sets.items():
             there = np.array([index[grid] for span in spans for grid in _common(span, index)], int)
             if len(there):  # a set of the case control may also number cells
-                found.point_sets[name] = np.unique(there)
+                found.point_sets[name] = there
         found.materials = self._elastic()
         found.notes = [Problem("cells", f"{n} cards {name} are not read") for name, n in self.left.items()]
         return found

@@ -141,7 +141,7 @@ def _groups(
         if solid:
             groups[name] = {kind: np.unique(np.concatenate(parts)) for kind, parts in solid.items()}
         if flat:
-            sets[name if name not in sets else f"{name}-cells"] = np.unique(np.concatenate(flat))
+            sets[name if name not in sets else f"{name}-cells"] = np.concatenate(flat)
     return groups, sets
 
 
