@@ -32,10 +32,11 @@ from flexarm.calibration.intervals import marginals
 from flexarm.calibration.optimum import posterior_of
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.calibration.workflow import estimation_of
+from flexarm.diagnosis.coarse_encoders import with_errors_of_drives
 from flexarm.diagnosis.noise_model import SEED
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.sensors import with_errors_of_drives, with_zeros
+from flexarm.diagnosis.sensor_zeros import with_zeros
 from flexarm.effects.backlash import Backlash
 from flexarm.effects.coulomb_friction import CoulombFriction
 from flexarm.measurement import ClockError

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from flexarm.calibration.result import Calibration as Calibration
     from flexarm.calibration.workflow import calibrate as calibrate
     from flexarm.campaigns.campaign import Campaign as Campaign
-    from flexarm.campaigns.campaign import campaign as campaign
+    from flexarm.campaigns.run_study import campaign as campaign
     from flexarm.comparison.compare import compare as compare
     from flexarm.comparison.comparison import Comparison as Comparison
     from flexarm.comparison.frequency_response import compare_responses as compare_responses
@@ -96,7 +96,7 @@ _EXPORTS = {
     "SuperElement": "flexarm.superelement",
     "accept_matrices": "flexarm.superelement.foreign",
     "calibrate": "flexarm.calibration.workflow",
-    "campaign": "flexarm.campaigns.campaign",
+    "campaign": "flexarm.campaigns.run_study",
     "compare": "flexarm.comparison",
     "compare_responses": "flexarm.comparison",
     "config": "flexarm.configuration",

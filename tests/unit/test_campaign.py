@@ -9,9 +9,10 @@ from campaign_runs import MASS, SIMULATED, STATIC, study_in
 import flexarm
 from flexarm import InvalidFile
 from flexarm.arm.parameter import with_value
-from flexarm.campaigns import campaign as campaigns
+from flexarm.campaigns import run_study
 from flexarm.campaigns.plan import cut
 from flexarm.campaigns.store import Store
+from flexarm.campaigns.task_size import seconds_of_a_run, task_size
 from flexarm.effects.backlash import Backlash
 
 
@@ -131,16 +132,16 @@ def stopped_after(parts: int, monkeypatch):
 
 def test_what_is_done_is_not_computed_again(simulated, tmp_path, monkeypatch):
     whole = flexarm.campaign(simulated, tmp_path / "whole", n_jobs=1).dataset
-    monkeypatch.setattr(campaigns, "task_size", lambda *of: 2)
+    monkeypatch.setattr(run_study, "task_size", lambda *of: 2)
     with monkeypatch.context() as patched:
         stopped_after(3, patched)
         with pytest.raises(KeyboardInterrupt):
             flexarm.campaign(simulated, tmp_path / "out", n_jobs=1)
     assert entries(tmp_path / "out") == ["results.parts", "study.json"]
     computed = []
-    compute = campaigns.compute_here
+    compute = run_study.compute_here
     monkeypatch.setattr(
-        campaigns,
+        run_study,
         "compute_here",
         lambda job, tasks, put: compute(
             job, tasks, lambda rows: (computed.extend(r.sample for r in rows), put(rows))
@@ -161,9 +162,9 @@ def test_tasks_are_cut_smaller_towards_the_end():
 
 
 def test_a_task_takes_longer_where_there_are_many_workers():
-    assert [campaigns.task_size(0.01, 8, workers) for workers in (2, 100, 1000)] == [200, 200, 2000]
-    assert campaigns.task_size(100.0, 8, 2) == 1
-    assert campaigns.task_size(1e-3, 2**20, 2) == 32  # what it returns is bounded
+    assert [task_size(0.01, 8, workers) for workers in (2, 100, 1000)] == [200, 200, 2000]
+    assert task_size(100.0, 8, 2) == 1
+    assert task_size(1e-3, 2**20, 2) == 32  # what it returns is bounded
 
 
 def test_the_time_of_a_run_is_not_that_of_the_first_one():
@@ -175,8 +176,8 @@ def test_the_time_of_a_run_is_not_that_of_the_first_one():
         def outcomes(self, arms, cases):
             return [{} for _, _ in zip(arms, cases, strict=True)]
 
-    assert campaigns.seconds_of_a_run(Quick(), None, 1.9) < 0.05
-    assert campaigns.seconds_of_a_run(Quick(), None, 10.0) == 10.0
+    assert seconds_of_a_run(Quick(), None, 1.9) < 0.05
+    assert seconds_of_a_run(Quick(), None, 10.0) == 10.0
 
 
 def test_another_study_does_not_go_on_with_this_one(simulated, tmp_path):
@@ -227,6 +228,6 @@ def test_no_more_workers_are_started_than_there_are_runs(simulated, tmp_path, mo
     def asked(scheduler, jobs, room):
         raise RuntimeError(f"{jobs} workers")
 
-    monkeypatch.setattr(campaigns, "client_of", asked)
+    monkeypatch.setattr(run_study, "client_of", asked)
     with pytest.raises(RuntimeError, match="16 workers"):
         flexarm.campaign(simulated, tmp_path / "out", n_jobs=10**6)

@@ -31,12 +31,13 @@ from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.calibration.result import Calibration
 from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES
 from flexarm.configuration import version
+from flexarm.diagnosis.coarse_encoders import with_errors_of_drives
 from flexarm.diagnosis.hold_out import Split, named_hold_out, split
 from flexarm.diagnosis.noise_model import SEED, impute_noise, input_noise_remarks
 from flexarm.diagnosis.nuisance import first_guess, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.sensors import is_zero, with_errors_of_drives, with_zeros, without_idle_zeros
+from flexarm.diagnosis.sensor_zeros import is_zero, with_zeros, without_idle_zeros
 from flexarm.diagnosis.verification import SplitRecords, main_signal, rounded_to_std
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.effects_of import effects_of

@@ -46,7 +46,7 @@ def campaign(
     if scheduler is not None and jobs is not None:
         what = "is of the cluster on this machine; a scheduler has its own workers"
         raise InvalidFile("command line", "--jobs", what)
-    from flexarm.campaigns.campaign import campaign as run  # NumPy and the core, not needed for --help
+    from flexarm.campaigns.run_study import campaign as run  # NumPy and the core, not needed for --help
 
     with progress() as tell:
         try:

@@ -19,6 +19,7 @@ from flexarm.budget import allows, current, ended_early, limited
 from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, dominant_frequencies
+from flexarm.diagnosis.coarse_encoders import CoarseEncoder, with_errors_of_drives
 from flexarm.diagnosis.design.next_experiment import NextExperiment, next_experiment
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit_statistics import constancy, fit_statistics
@@ -47,14 +48,7 @@ from flexarm.diagnosis.residual_rows import greatest_by_signal
 from flexarm.diagnosis.result import Diagnosis, Verdict, adequate_if_predicted
 from flexarm.diagnosis.screening import probe
 from flexarm.diagnosis.selection import Choice, choose
-from flexarm.diagnosis.sensors import (
-    CoarseEncoder,
-    of_model,
-    set_zeros,
-    with_errors_of_drives,
-    with_zeros,
-    without_idle_zeros,
-)
+from flexarm.diagnosis.sensor_zeros import of_model, set_zeros, with_zeros, without_idle_zeros
 from flexarm.diagnosis.settings import FIT
 from flexarm.diagnosis.uncertainty import (
     Estimates,

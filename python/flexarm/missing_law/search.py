@@ -14,7 +14,7 @@ from flexarm.comparison.free_vibration import rings_freely
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.sensors import without_idle_zeros
+from flexarm.diagnosis.sensor_zeros import without_idle_zeros
 from flexarm.diagnosis.verification import repaired
 from flexarm.effects.tabulated_law import TabulatedLaw, states_of_table
 from flexarm.law_curve import LawCurve, LawKind

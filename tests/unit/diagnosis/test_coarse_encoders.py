@@ -6,8 +6,8 @@ from planted import run_of
 
 import flexarm
 from flexarm import Record, Signal
+from flexarm.diagnosis.coarse_encoders import coarse_encoders, with_coarse_encoders
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.sensors import coarse_encoders, with_coarse_encoders
 from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.validation.outliers import clean_drives
 

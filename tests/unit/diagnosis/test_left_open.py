@@ -6,7 +6,7 @@ import pytest
 import flexarm
 from flexarm import effects
 from flexarm.arm.parameter import with_value
-from flexarm.diagnosis.sensors import without_idle_zeros
+from flexarm.diagnosis.sensor_zeros import without_idle_zeros
 from flexarm.diagnosis.uncertainty import restore_unidentifiable
 from flexarm.named_effects import Refined
 

@@ -6,7 +6,7 @@ from arms import rod_arm, smooth_step
 
 import flexarm
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.sensors import of_model, set_zeros, with_zeros, without_idle_zeros
+from flexarm.diagnosis.sensor_zeros import of_model, set_zeros, with_zeros, without_idle_zeros
 from flexarm.named_effects import Refined
 
 ENCODER = {"quantity": "joint_angle", "joint": "hinge"}

@@ -1,0 +1,244 @@
+"""Run a study: compute the samples that are not there yet, keep each batch, put all together at the end."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from flexarm.arguments import FLAG, JOBS, PATH, TEXT, takes
+from flexarm.campaigns.campaign import FORMAT, STUDY, SUMMARY, Campaign, read_record
+from flexarm.campaigns.cases import label_names
+from flexarm.campaigns.engine import client_of, compute_here, compute_with, page_of
+from flexarm.campaigns.findings import findings_of
+from flexarm.campaigns.job import Row
+from flexarm.campaigns.outcome import Outcome
+from flexarm.campaigns.plan import Plan, planned, refuse_other
+from flexarm.campaigns.progress import Tally, Tell, resumable
+from flexarm.campaigns.results import write_results
+from flexarm.campaigns.store import RESULTS, Store, refuse_gaps
+from flexarm.campaigns.task_size import TASK_SECONDS, alone, seconds_of_a_run, task_size
+from flexarm.configuration import config
+from flexarm.errors import InvalidFile, InvalidParameter
+from flexarm.output import growing_directory, writing
+from flexarm.reading import reading
+from flexarm.report.campaign import page
+
+
+@takes(study=PATH, out=PATH, resume=FLAG, force=FLAG, scheduler=TEXT, n_jobs=JOBS)
+def campaign(
+    study: str | Path,
+    out: str | Path,
+    *,
+    resume: bool = False,
+    force: bool = False,
+    scheduler: str | None = None,
+    n_jobs: int | None = None,
+    progress: Tell | None = None,
+    notice: Callable[[str], object] | None = None,
+) -> Campaign:
+    """Run a study and keep its results.
+
+    Parameters
+    ----------
+    study : str or Path
+        The study, a TOML file; files that it names are found from where it lies.
+    out : str or Path
+        A new or empty directory: study.json, results.nc and summary.html. While runs are under way
+        `results.parts` in it holds what is done.
+    resume : bool
+        Go on with the campaign that was begun there; what is done is not computed again.
+    force : bool
+        Begin anew in a directory that holds files; those of a former campaign are removed.
+    scheduler : str, optional
+        Address of a Dask scheduler; default: a cluster of this machine's cores, for this campaign only.
+    n_jobs : int, optional
+        Number of worker processes of that cluster; default one a core. One: runs are made in this process,
+        and Dask is not needed.
+    progress : callable, optional
+        Gets the share done, and how many runs are done, their rate and the time left.
+    notice : callable, optional
+        Gets sentences that the user should know, such as the address of Dask's page.
+
+    Raises
+    ------
+    InvalidFile
+        If the study or a file that it names is at fault, the directory holds other files, or holds a campaign
+        of another study.
+    NotConverged
+        If the nominal run fails; a variant that fails is a row of the results.
+
+    Examples
+    --------
+    >>> found = flexarm.campaign("tolerances.toml", "tolerances")  # doctest: +SKIP
+    >>> found.dataset["tip_position_max"]  # doctest: +SKIP
+    """
+    if scheduler is not None and n_jobs is not None:
+        raise InvalidParameter("is of the local cluster; a scheduler has its own workers", where="n_jobs")
+    plan, folder = planned(Path(study)), Path(out)
+    say = notice or (lambda text: None)
+    for remark in plan.remarks:
+        say(f"{plan.file}: {remark}")
+    names = (STUDY, RESULTS, SUMMARY)
+    if not (resume or force) and (folder / STUDY).is_file():
+        what = (
+            "holds a campaign already; allowed is --resume to go on, --force to begin anew, or another place"
+        )
+        raise InvalidFile(folder, "output", what)
+    with growing_directory(folder, resume or force, [plan.file, *plan.inputs.values()], names) as partial_:
+        store = Store(folder, partial_)
+        session = _begun(plan, store, resume, force, say)
+        done = set(range(plan.count)) if store.results.is_file() else store.done()
+        refuse_gaps(store.parts, plan.count, done)
+        tally = Tally(plan.count, len(done), progress or (lambda done, what: None))
+        with resumable(store, tally):
+            if not store.results.is_file():
+                _compute(plan, store, done, tally, scheduler, n_jobs, say)
+            return _finished(plan, store, session)
+
+
+@dataclass
+class _Session:
+    """What study.json tells of a campaign, as it goes."""
+
+    record: dict[str, Any]
+
+    def write(self, store: Store) -> None:
+        text = json.dumps(self.record, indent=2, allow_nan=False)
+        store.write(store.directory / STUDY, f"{text}\n".encode())
+
+
+def _begun(plan: Plan, store: Store, resume: bool, force: bool, say: Callable[[str], object]) -> _Session:
+    """Return the session of a new campaign, or of one that goes on."""
+    file = store.directory / STUDY
+    versions = config()
+    if resume and file.is_file():
+        record = read_record(file)
+        refuse_other(plan, file, record)
+        if record["versions"] != versions:
+            say(f"{file}: begun with flexarm {record['versions']['git']}, goes on with {versions['git']}")
+        record["sessions"].append({"started": _now(), "versions": versions})
+        session = _Session(record)
+    elif resume and (store.parts.exists() or store.results.exists()):
+        raise InvalidFile(file, "file", "there is no such file, but results are; --force begins anew")
+    else:
+        if force:  # what a former campaign left
+            store.clear()
+            for name in (RESULTS, STUDY, SUMMARY):
+                (store.directory / name).unlink(missing_ok=True)
+        session = _Session(
+            {
+                "format": FORMAT,
+                "state": "running",
+                "file": str(plan.file),
+                **plan.fingerprint(),
+                "samples": plan.count,
+                "parameters": [
+                    {"key": each.key, "unit": each.unit, "nominal": plan.variation.nominal(each)}
+                    for each in plan.variation.parameters
+                ],
+                "versions": versions,
+                "sessions": [{"started": _now(), "versions": versions}],
+            }
+        )
+    session.write(store)
+    return session
+
+
+def _compute(
+    plan: Plan,
+    store: Store,
+    done: set[int],
+    tally: Tally,
+    scheduler: str | None,
+    jobs: int | None,
+    say: Callable[[str], object],
+) -> None:
+    """Compute what is not done yet, and put the results together."""
+    pending = [sample for sample in range(plan.count) if sample not in done]
+    began = time.perf_counter()
+    with reading(plan.file.parent / plan.study.model, "a model", "model"):
+        nominal = plan.job.runner.nominal(plan.arm)
+    spent = time.perf_counter() - began
+    each = seconds_of_a_run(plan.job.runner, plan.arm, spent / len(nominal)) if nominal else TASK_SECONDS
+
+    def put(rows: Sequence[Row]) -> None:
+        store.put(rows)
+        tally.add(len(rows))
+
+    if not pending:
+        pass
+    elif scheduler is None and alone(jobs, each * len(pending)):
+        compute_here(plan.job, plan.tasks(pending, task_size(each, plan.row_bytes, 1), 1), put)
+    else:
+        wanted = min(jobs or os.cpu_count() or 1, len(pending))
+        with client_of(scheduler, wanted, store.room) as client:
+            if address := page_of(client):
+                say(f"Dask's page: {address}")
+            workers = max(1, sum(client.nthreads().values()))
+            size = task_size(each, plan.row_bytes, workers)
+            compute_with(client, plan.job, plan.tasks(pending, size, workers), put)
+    _write(plan, store, nominal)
+
+
+def _write(plan: Plan, store: Store, nominal: list[Outcome]) -> None:
+    """Put all batches together."""
+    attributes = {
+        "format": FORMAT,
+        "run": plan.study.run,
+        "cases": len(plan.cases),
+        "study": plan.file.name,
+        "study_sha256": plan.fingerprint()["study_sha256"],
+        "flexarm_version": config()["flexarm"],
+        "git": config()["git"],
+        "created": _now(),
+    }
+    path = store.directory / RESULTS
+    partial_ = store.room / RESULTS
+    with writing(path):
+        write_results(store, partial_, plan.job.runner.variables, plan.coordinates(), nominal, attributes)
+        partial_.replace(path)
+
+
+def _finished(plan: Plan, store: Store, session: _Session) -> Campaign:
+    """Write down what ran, and remove the batches."""
+    most_failures = 1000  # failures that study.json lists; it counts all
+    campaign_ = Campaign(store.directory, session.record)
+    with campaign_.dataset as data:
+        status, reasons = data["status"].values, data["reason"].values
+        seconds = float(data["seconds"].sum())
+    failed = [int(i) for i in (status == "failed").nonzero()[0]]
+    keys, rows = plan.variation.keys, len(plan.values)
+    session.record |= {
+        "state": "finished",
+        "finished": _now(),
+        "run_seconds": seconds,
+        "runs": {"ok": int((status == "ok").sum()), "failed": len(failed)},
+        "reasons": dict(Counter(str(reasons[i]) for i in failed).most_common(20)),
+        "failures": [
+            {
+                "sample": i,
+                "reason": str(reasons[i]),
+                "parameters": dict(zip(keys, map(float, plan.values[i % rows]), strict=True)),
+                **dict(plan.cases[i // rows].labels),
+            }
+            for i in failed[:most_failures]
+        ],
+    }
+    seed = plan.study.sampling.seed if plan.study.sampling else 0
+    with campaign_.dataset as data:
+        findings = findings_of(data, plan.variation.keys, label_names(plan.cases), seed)
+    store.write(store.directory / SUMMARY, page(findings, session.record).encode())
+    session.write(store)
+    store.clear()
+    return campaign_
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")
