@@ -17,6 +17,8 @@ on. Angles are smooth from sample to sample, so that their noise follows from th
 
     std(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = sqrt(20) noise.                                       (2)
 
+Rows of one pose disagree if they scatter by `min_noises` times the noise.
+
 A simulation that begins at rest with a moving drive rings, which the arm did not. Such a start is reported.
 """
 
@@ -52,6 +54,22 @@ def remarks_on_few_poses(simulations: Mapping[str, SimulatedRecord]) -> Iterator
             if count < LEAST_POSES:
                 many = f"{name}: {signal.name} holds {count} pose{'s' * (count > 1)}"
                 yield f"{many}; outliers are looked for among {LEAST_POSES} or more"
+
+
+def remarks_on_poses(records: Mapping[str, Record]) -> Iterator[str]:
+    """Report poses whose rows do not repeat."""
+    signals = ((name, signal) for name, record in records.items() for signal in record.signals.values())
+    for name, signal in signals:
+        if signal.pose is None or not signal.noise_std:
+            continue
+        for pose in dict.fromkeys(map(str, signal.pose)):
+            rows = signal.values[(signal.pose == pose) & signal.valid]
+            scatter = float(np.max(np.std(rows, axis=0, ddof=1))) if len(rows) > 1 else 0.0
+            if scatter > POLICY.min_noises * signal.noise_std:
+                yield (
+                    f"{name}: {len(rows)} rows of {signal.name} in the pose {pose!r} "
+                    f"scatter by {scatter:.2g} {signal.unit}, the stated noise is {signal.noise_std:.2g}"
+                )
 
 
 def remarks_on_skipped(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:

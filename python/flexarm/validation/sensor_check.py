@@ -27,17 +27,11 @@ from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
 from flexarm.simulation import Progress
 from flexarm.validation.channel import Channel, channels
+from flexarm.validation.clocks import remarks_on_late_signals, remarks_on_shared_clocks
 from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
 from flexarm.validation.drive_hypotheses import implausible_drives
 from flexarm.validation.finding import RecordFindings, RemovedOutliers, ValidationResult, merge_findings
-from flexarm.validation.frames_and_clocks import (
-    remarks_on_frames,
-    remarks_on_late_signals,
-    remarks_on_poses,
-    remarks_on_shared_clocks,
-    remarks_on_shared_frames,
-    remarks_on_unstated_frames,
-)
+from flexarm.validation.frames import remarks_on_frames, remarks_on_shared_frames, remarks_on_unstated_frames
 from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import initial_alignment, simulate_records
 from flexarm.validation.mirrors import exchanged_axes
@@ -48,6 +42,7 @@ from flexarm.validation.record_remarks import (
     plausibility_doubts,
     remarks_on_clocks,
     remarks_on_few_poses,
+    remarks_on_poses,
     remarks_on_skipped,
     remarks_on_stamps,
     remarks_on_starts,

@@ -1,4 +1,4 @@
-"""Consistency of frames and clocks: positions with a bias, frames that moved, clocks that were set anew.
+"""Consistency of frames: positions with a bias, frames that moved.
 
 Positions y of a frame with the pose (R, x) in the base, and their predictions p, leave
 
@@ -9,27 +9,17 @@ steps from one start, so that what the data do not determine stays. The records 
 pose leaves `unusual_ratio` times as much, and the two poses put places apart by more than `min_shift` of the
 reach and `min_sigmas` of a stated registration.
 
-The delay of a clock in one record follows from the regression of `validation.channel`,
-
-    d = v . e / v . v,     sigma = rms(e - d v) sqrt(n / m) / |v|                                      (2)
-
-v is minus the rate of the prediction and e the gap, both without what the other regressors explain, m the
-number of `independent_samples`. Two records contradict each other beyond `min_clock_step` and `min_sigmas`.
-A signal is late, by steps (2) until they rest, if its gap without its mean falls to less than one
-`unusual_ratio`, and the delay is beyond both and the stated sigma of its clock.
-
 With the gap g = measured - predicted and the prediction p in base axes, an error of the arm turns with the
 arm. An offset that does not turn is that of a frame which is not stated:
 
-    |mean g| std(p) > unusual_ratio std(g) |p|                                                         (3)
+    |mean g| std(p) > unusual_ratio std(g) |p|                                                         (2)
 
 If a frame moved between two records, the step
 
-    D = mean g in one record - mean g in another                                                       (4)
+    D = mean g in one record - mean g in another                                                       (3)
 
 is the same for all its signals. It is reported beyond `min_sigmas` of the stated registration where two or
-more signals agree on it to `shift_agreement`. Rows of one pose disagree if they scatter by `min_noises` times
-the noise.
+more signals agree on it to `shift_agreement`.
 """
 
 from __future__ import annotations
@@ -42,14 +32,11 @@ import numpy as np
 
 from flexarm.arm.sizes import reach
 from flexarm.arrays import Floats
-from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
-from flexarm.measurement.encoder import told
 from flexarm.measurement.frames import rotation_matrix
 from flexarm.measurement.sampling import columns
 from flexarm.measurement.tracker import base_position
 from flexarm.record import Record, Signal
-from flexarm.validation.channel import QUASI_STATIC, Channel
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
 from flexarm.wording import with_unit
@@ -171,100 +158,8 @@ def _apart(pair: Sequence[tuple[SimulatedRecord, _Sightings]], start: _Pose, fra
     )
 
 
-def remarks_on_shared_clocks(
-    simulations: Mapping[str, SimulatedRecord], channels: Mapping[str, Sequence[Channel]]
-) -> Iterator[str]:
-    """Report clocks of one name whose delays in two records differ, by the channels of each."""
-    if len(simulations) < 2:
-        return
-    found: dict[str, dict[str, tuple[float, float]]] = {}
-    for name, simulated in simulations.items():
-        if simulated.record.kind != "motion":
-            continue
-        placement, own = initial_alignment(simulated), drive_clock(simulated.record)
-        seen: dict[str, list[tuple[float, float]]] = {}
-        for channel in channels[name]:
-            if channel.signal.clock != own and channel.signal.quantity in QUASI_STATIC:
-                seen.setdefault(channel.signal.clock, []).append(
-                    _delay(channel.measured, channel.predicted, channel.regressors)
-                )
-        for clock, delays in seen.items():
-            delay, sigma = min(delays, key=lambda each: each[1])
-            stated = placement.clocks[clock].delay
-            found.setdefault(clock, {})[name] = stated + delay, sigma
-    for clock, records in found.items():
-        for (one, (a, std_a)), (other, (b, std_b)) in combinations(records.items(), 2):
-            step, sigma = abs(a - b), float(np.hypot(std_a, std_b))
-            if step > max(POLICY.min_clock_step, POLICY.min_sigmas * sigma):
-                yield (
-                    f"{one} and {other} do not share the clock {clock}: on the model its offset is "
-                    f"{with_unit(a, 's', 3)} in the one and {with_unit(b, 's', 3)} in the other, "
-                    f"+- {with_unit(sigma, 's', 1)}; if it was set anew, give it two names"
-                )
-
-
-def _delay(measured: Floats, predicted: Floats, regressors: Floats) -> tuple[float, float]:
-    """Return the delay (2) of a channel and its sigma [s]; an infinite sigma if it does not move."""
-    A = np.column_stack([predicted, regressors[:, :-1]])
-    Q = np.linalg.qr(A[:, np.any(A != 0, axis=0)])[0]
-    e, v = (each - Q @ (Q.T @ each) for each in (measured, regressors[:, -1]))
-    square = float(v @ v)
-    if square <= 0:
-        return 0.0, np.inf
-    delay = float(v @ e) / square
-    left = float(np.sum((e - delay * v) ** 2))
-    return delay, float(np.sqrt(left / min(len(e), POLICY.independent_samples) / square))
-
-
-def remarks_on_late_signals(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """Report signals that come late or early on their stated clocks, by more than the model misses."""
-    for name, simulated in simulations.items():
-        if simulated.record.kind == "motion":
-            placement = initial_alignment(simulated)
-            for signal in simulated.evidence.values():
-                if signal.quantity in QUASI_STATIC and not simulated.record.clocks[signal.clock].unknown:
-                    yield from (f"{name}: {what}" for what in _lateness(simulated, placement, signal))
-
-
-def _lateness(simulated: SimulatedRecord, placement: Placement, signal: Signal) -> Iterator[str]:
-    rows = np.flatnonzero(signal.valid)
-    rows = rows[:: -(-len(rows) // POLICY.rigid_rows) or 1]
-    if len(rows) < POLICY.min_rows:
-        return
-    instants, values = simulated.instants(signal, placement)[rows], signal.values[rows]
-    shown = told(simulated.simulation, signal, simulated.record.drive)
-
-    def centred(shift: float) -> Floats:
-        shifted = np.clip(instants - shift, *simulated.simulation.time[[0, -1]])
-        found = simulated.reading(shown, shifted, placement)
-        return np.asarray(found - np.mean(found, axis=0))
-
-    measured = values - np.mean(values, axis=0)
-    delay, h = 0.0, POLICY.short_delay
-    for _ in range(POLICY.registration_steps):
-        rate = (centred(delay + h) - centred(delay - h)) / (2 * h)
-        square = float(np.sum(rate**2))
-        change = float(np.sum(rate * (measured - centred(delay)))) / square if square > 0 else 0.0
-        delay += change
-        if abs(change) < POLICY.min_clock_step / 10:
-            break
-    before, after = (float(np.sqrt(np.sum((measured - centred(d)) ** 2))) for d in (0.0, delay))
-    if square <= 0 or not before > POLICY.unusual_ratio * after:
-        return
-    sigma = after * np.sqrt(len(rows) / min(len(rows), POLICY.independent_samples) / square)
-    stated = float(np.hypot(sigma, simulated.record.clocks[signal.clock].sigma))
-    if abs(delay) > max(POLICY.min_clock_step, POLICY.min_sigmas * stated):
-        word = "late" if delay > 0 else "early"
-        was, left = (with_unit(size / len(rows) ** 0.5, signal.unit, 2) for size in (before, after))
-        yield (
-            f"{signal.name} comes {with_unit(abs(delay), 's', 3)} {word} on the clock {signal.clock}: so "
-            f"shifted, its gap is {left} rms in place of {was}; give it a clock of its own "
-            'in [clocks], "unknown" if nobody knows how late it is'
-        )
-
-
 def remarks_on_unstated_frames(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """Report positions without a frame for which (3) holds."""
+    """Report positions without a frame for which (2) holds."""
     for name, simulated in simulations.items():
         for signal in simulated.evidence.values():
             if signal.quantity == "position" and signal.frame == "base":
@@ -283,7 +178,7 @@ def _shift(simulated: SimulatedRecord, signal: Signal) -> Iterator[str]:
     least = max(
         POLICY.min_shift * reach(simulated.arm), POLICY.min_noises * float(np.max(simulated.noise(signal)))
     )
-    if turned > POLICY.min_motion and size > least and size * turned > POLICY.unusual_ratio * left:  # eq. (3)
+    if turned > POLICY.min_motion and size > least and size * turned > POLICY.unusual_ratio * left:  # eq. (2)
         along = ", ".join(
             f"{with_unit(float(value), 'm')} along {axis}"
             for axis, value in zip(signal.axes, off, strict=True)
@@ -302,7 +197,7 @@ def _scatter(values: np.ndarray) -> float:
 
 
 def remarks_on_frames(simulations: Mapping[str, SimulatedRecord]) -> list[str]:
-    """Report frames that moved between one record and the next, by (4)."""
+    """Report frames that moved between one record and the next, by (3)."""
     gaps = {name: _mean_gaps(simulated) for name, simulated in simulations.items()}
     return [
         remark
@@ -333,11 +228,11 @@ def _moved(
     other: str,
     gaps: Mapping[str, Mapping[tuple[str, str, str], float]],
 ) -> list[str]:
-    """Report a step (4) that is large and alike for all signals of the frame."""
+    """Report a step (3) that is large and alike for all signals of the frame."""
     keys = [key for key in gaps[one] if key[0] == frame and key[2] == axis and key in gaps[other]]
     if len(keys) < 2 or frame not in record.frames:
         return []
-    steps = np.array([gaps[other][key] - gaps[one][key] for key in keys])  # eq. (4)
+    steps = np.array([gaps[other][key] - gaps[one][key] for key in keys])  # eq. (3)
     middle = float(np.median(steps))
     sigma = float(np.max(record.frames[frame].translation))
     if abs(middle) <= POLICY.min_sigmas * max(sigma, 1e-6) or np.ptp(steps) > POLICY.shift_agreement * abs(
@@ -348,19 +243,3 @@ def _moved(
         f"{one} and {other} contradict each other: {', '.join(key[1] for key in keys)} lie {middle:.3g} m "
         f"apart along {axis}, as if the frame {frame} had moved between them"
     ]
-
-
-def remarks_on_poses(records: Mapping[str, Record]) -> Iterator[str]:
-    """Report poses whose rows do not repeat."""
-    signals = ((name, signal) for name, record in records.items() for signal in record.signals.values())
-    for name, signal in signals:
-        if signal.pose is None or not signal.noise_std:
-            continue
-        for pose in dict.fromkeys(map(str, signal.pose)):
-            rows = signal.values[(signal.pose == pose) & signal.valid]
-            scatter = float(np.max(np.std(rows, axis=0, ddof=1))) if len(rows) > 1 else 0.0
-            if scatter > POLICY.min_noises * signal.noise_std:
-                yield (
-                    f"{name}: {len(rows)} rows of {signal.name} in the pose {pose!r} "
-                    f"scatter by {scatter:.2g} {signal.unit}, the stated noise is {signal.noise_std:.2g}"
-                )
