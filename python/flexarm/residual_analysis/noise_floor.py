@@ -4,23 +4,22 @@ The noise of a signal is estimated from its own samples:
 
     quiet bands   of a residual: its frequencies in 16 bands with k degrees of freedom each,
                   sigma^2 = lower quartile of their sums of squares / that of chi-square             (1)
-    differences   of a drive: third differences of its samples have the variance 20 sigma^2,
-                  sigma = 1.4826 median |D^3 y| / sqrt(20)                                           (2)
-    repeats       of poses: the scatter of rows about the mean of their pose, pooled                 (3)
+    repeats       of poses: the scatter of rows about the mean of their pose, pooled                 (2)
+    differences   of a drive: `flexarm.measurement.drive_noise`
 
 A slow residual and a vibration touch few of the bands of (1) and do not count. The strongest sines, which
 leak into other bands, are removed first (orthogonal matching pursuit [Pati1993]), and so are outliers, which
 spread over all of them. A residual that is fast and broad, as from impacts, does count: (1) is then more than
 the noise. A residual is correlated from sample to sample unless it is white noise; its effective sample size
-(4) is what an information criterion may count.
+(3) is what an information criterion may count.
 
 The error of the simulation is the rms change of the predicted signal, all channels together, when
 
-    step     is halved: the method is of order two, so this is 3/4 of the error                      (5)
-    mesh     of every beam is twice as fine: of order four, 15/16 of the error                       (6)
-    alpha    is 0, without numerical damping, instead of its default                                 (7)
+    step     is halved: the method is of order two, so this is 3/4 of the error                      (4)
+    mesh     of every beam is twice as fine: of order four, 15/16 of the error                       (5)
+    alpha    is 0, without numerical damping, instead of its default                                 (6)
 
-Each should be below the noise. (5) is found for every record, the others for that with the fastest drive, or
+Each should be below the noise. (4) is found for every record, the others for that with the fastest drive, or
 for all.
 """
 
@@ -39,6 +38,7 @@ from flexarm.comparison.aligned_record import AlignedRecord, by_name, simulate_r
 from flexarm.comparison.bands import band_split
 from flexarm.comparison.step_check import change, step_note
 from flexarm.errors import NotConverged
+from flexarm.measurement.drive_noise import drive_noise
 from flexarm.measurement.outliers import outliers
 from flexarm.pictures import Summarised
 from flexarm.record import Signal
@@ -65,7 +65,7 @@ def exceeds_noise(squares: float, freedoms: float, false_alarm: float) -> bool:
 
 
 def estimated_noise(pair: AlignedRecord, signal: Signal, residual: Floats) -> float | None:
-    """Return 1 sigma of a channel by (1) or (3), from the residual; None given too few samples."""
+    """Return 1 sigma of a channel by (1) or (2), from the residual; None given too few samples."""
     keep = np.isfinite(residual).all(axis=1)
     if pair.record.kind == "static":
         return repeated_noise(np.asarray(signal.pose)[keep], residual[keep])
@@ -107,30 +107,21 @@ def _without_sines(time: Floats, values: Floats) -> tuple[Floats, int]:
     return rest, columns.shape[1]
 
 
-def drive_noise(samples: Floats) -> float | None:
-    """Return 1 sigma of evenly spaced samples of a smooth motion by (2), shape (n,)."""
-    third = np.diff(samples, 3)
-    third = third[np.isfinite(third)]
-    if len(third) < LEAST_SAMPLES:
-        return None
-    return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20))  # eq. (2)
-
-
 def repeated_noise(pose: NDArray[np.str_], values: Floats) -> float | None:
-    """Return 1 sigma of a channel by (3); None where no pose was measured twice."""
+    """Return 1 sigma of a channel by (2); None where no pose was measured twice."""
     names, number = np.unique(pose, return_inverse=True)
     freedoms = len(pose) - len(names)
     if freedoms < 1:
         return None
     count = np.bincount(number)
     means = np.stack([np.bincount(number, column) / count for column in values.T], axis=1)
-    return float(np.sqrt(np.sum((values - means[number]) ** 2) / (freedoms * values.shape[1])))  # eq. (3)
+    return float(np.sqrt(np.sum((values - means[number]) ** 2) / (freedoms * values.shape[1])))  # eq. (2)
 
 
 def effective_samples(values: Floats) -> float:
     r"""Return the effective sample size of values, shape (n, channels).
 
-        n_eff = n/(1 + 2 sum_k rho_k),                                                               (4)
+        n_eff = n/(1 + 2 sum_k rho_k),                                                               (3)
 
     the autocorrelations rho_k summed up to the first that is not positive [Geyer1992].
     """
@@ -142,7 +133,7 @@ def effective_samples(values: Floats) -> float:
     covariance = np.fft.irfft(np.sum(np.abs(spectrum) ** 2, axis=1))[:n]
     rho = covariance[1:] / covariance[0]
     ends = np.flatnonzero(rho <= 0)
-    return float(n / (1 + 2 * np.sum(rho[: ends[0] if len(ends) else n])))  # eq. (4)
+    return float(n / (1 + 2 * np.sum(rho[: ends[0] if len(ends) else n])))  # eq. (3)
 
 
 @dataclass(frozen=True)
@@ -278,7 +269,7 @@ def noise_floor(
     pairs : dict of str to AlignedRecord, or AlignedRecord
         Records by name, as for `localise`.
     thorough : bool
-        Find (6) and (7) of every record, not only of the one with the fastest drive.
+        Find (5) and (6) of every record, not only of the one with the fastest drive.
     step, alpha : float
         Of the simulations in `pairs` [s], [-].
 
@@ -340,15 +331,15 @@ def _floors(
 
 
 def _variants(pair: AlignedRecord, step: float, alpha: float, whole: bool) -> dict[str, AlignedRecord | None]:
-    """Return the record with other simulations, (5) or all of them; None where one does not converge."""
+    """Return the record with other simulations, (4) or all of them; None where one does not converge."""
     arm, record = pair.simulated.arm, replace(pair.record, links={})  # the arm has these lengths already
     wanted: dict[str, tuple[Arm, float, float]] = {}
     if record.kind == "motion":
-        wanted["step"] = (arm, step / 2, alpha)  # eq. (5)
+        wanted["step"] = (arm, step / 2, alpha)  # eq. (4)
     if whole and any(link.type == "beam" for link in arm.links):
-        wanted["mesh"] = (refined(arm), step, alpha)  # eq. (6)
+        wanted["mesh"] = (refined(arm), step, alpha)  # eq. (5)
     if whole and record.kind == "motion":
-        wanted["alpha"] = (arm, step, 0.0 if alpha else -0.05)  # eq. (7)
+        wanted["alpha"] = (arm, step, 0.0 if alpha else -0.05)  # eq. (6)
     found: dict[str, AlignedRecord | None] = {}
     for kind, (model, length, damping) in wanted.items():
         try:

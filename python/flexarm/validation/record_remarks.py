@@ -13,9 +13,7 @@ A step is reported if it explains `predominant_share` of the squares of e for on
 missing effect acts before T as after it.
 
 A pause is an interval above `pause_ratio` usual ones. Drop-outs are reported from `lost_share` of the rows
-on. Angles are smooth from sample to sample, so that their noise follows from third differences,
-
-    std(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = sqrt(20) noise.                                       (2)
+on. The stated noise of angles is compared with `flexarm.measurement.drive_noise`.
 
 Rows of one pose disagree if they scatter by `min_noises` times the noise.
 
@@ -35,6 +33,7 @@ from flexarm.arrays import Floats
 from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
 from flexarm.comparison.simulated_record import SimulatedRecord
+from flexarm.measurement.drive_noise import drive_noise
 from flexarm.record import Record, Signal
 from flexarm.record.compatibility import implausible_values
 from flexarm.record.plausibility import INPUTS, unit_problems
@@ -188,10 +187,7 @@ def _remarks(signal: Signal) -> list[str]:
                 f"its samples are usually {np.median(steps):.3g} s apart"
             )
     if signal.quantity == "joint_angle" and signal.noise_std and signal.rate_hz >= POLICY.smooth_rate_hz:
-        third = np.diff(signal.values[:, 0], 3)
-        third = np.abs(third[np.isfinite(third)])
-        noise = 1.48 * float(np.median(third)) / np.sqrt(20) if len(third) else 0.0  # eq. (2)
-        stated = signal.noise_std
+        noise, stated = drive_noise(signal.values[:, 0]), signal.noise_std
         if noise and not stated / POLICY.unusual_ratio < noise < stated * POLICY.unusual_ratio:
             found.append(
                 f"the noise of {signal.name} is about {noise:.2g} {signal.unit}, stated is {stated:.2g}"

@@ -9,9 +9,9 @@ import flexarm
 from flexarm import Record, Signal
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.measurement.drive_noise import drive_noise
 from flexarm.record import DrawnLink
 from flexarm.residual_analysis.noise_floor import (
-    drive_noise,
     effective_samples,
     noise_floor,
     quiet_band_noise,
