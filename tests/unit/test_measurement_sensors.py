@@ -242,6 +242,19 @@ def test_late_stamps_are_late_by_latency_delay_and_drift():
     np.testing.assert_allclose(signal.values, tip(true), atol=1e-11)
 
 
+def test_a_clock_is_late_by_its_stated_offset_unless_its_error_is_given():
+    clocks = {"controller": Clock(), "tracker": Clock(offset=0.5)}
+    for errors, late in ((None, 0.5), ({"tracker": ClockError(delay=0.2)}, 0.2)):
+        record = measure(
+            motion(),
+            [sensor(quantity="position", clock="tracker")],
+            np.random.default_rng(0),
+            clocks=clocks,
+            clock_errors=errors,
+        )
+        assert record.signals["sensor"].time[0] == late
+
+
 def test_prediction_undoes_clock_and_frame():
     where = Registration(
         translation=(1e-3, 2e-3, -1e-3), rotation=(1e-3, 5e-4, 2e-3), origin=(4, 1, 0.5), rpy=(0, 0, 2)

@@ -307,6 +307,19 @@ def test_a_dead_channel_is_reported() -> None:
     assert "channel 'y' holds 1 m throughout, although its noise is 1e-05" in said
 
 
+def test_an_encoder_at_rest_is_not_dead() -> None:
+    rests = Signal(
+        name="encoder",
+        quantity="joint_angle",
+        joint="hinge",
+        time=np.arange(20),
+        values=np.full(20, 0.25),
+        noise_std=1e-5,
+    )
+    problems = Record(signals=[rests], kind="motion", drive=("encoder",)).check()
+    assert not [problem for problem in problems if "throughout" in problem.what]
+
+
 def test_a_pause_is_reported() -> None:
     time = np.concatenate([np.arange(10), np.arange(100, 110)])
     signal = Signal(

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.arm.joint_units import parameters_in
 from flexarm.arrays import Floats
 from flexarm.diagnosis.noise_model import (
     allow_for_input_noise,
@@ -32,8 +33,9 @@ from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.encoder import quantised
 from flexarm.named_effects import Estimate, NamedEffect
-from flexarm.record import Record
-from flexarm.record.quantisation_grid import quantisation_step
+from flexarm.record import Record, Signal
+from flexarm.record.quantisation_grid import FEW, quantisation_step
+from flexarm.wording import with_unit
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,8 @@ class CoarseEncoder:
 
     effect: EncoderQuantisation
     """Effect with the step that was seen."""
+    unit: str
+    """Of the step: rad, or m along a prismatic joint."""
     over_noise: float
     """The step over the stated noise of the encoder."""
     moves: str
@@ -52,16 +56,16 @@ class CoarseEncoder:
     def named(self, probability: float) -> NamedEffect:
         """Return the encoder as a named effect: its step is seen in the readings."""
         step = self.effect.step
-        exact = Estimate("step", step, 1e-4 * step, (1 - 2e-4) * step, (1 + 2e-4) * step, "rad")
+        exact = Estimate("step", step, 1e-4 * step, (1 - 2e-4) * step, (1 + 2e-4) * step, self.unit)
         return NamedEffect(EncoderQuantisation.name, self.effect.at, probability, (exact,), (), self.evidence)
 
     @property
     def evidence(self) -> str:
         """Return what shows the step, and what it does."""
         return (
-            f"all readings of {self.effect.at} are {1e3 * self.effect.step:.4g} mrad apart or multiples of "
-            f"it, {self.over_noise:.0f} times the stated noise; what the arm did between two counts is lost, "
-            f"and moves {self.moves} by {self.error:.1f} times its noise"
+            f"all readings of {self.effect.at} are {with_unit(self.effect.step, self.unit, 4)} apart or "
+            f"multiples of it, {self.over_noise:.0f} times the stated noise; what the arm did between two "
+            f"counts is lost, and moves {self.moves} by {self.error:.1f} times its noise"
         )
 
 
@@ -71,15 +75,21 @@ def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQua
     for record in records.values():
         for name in record.drive if record.kind == "motion" else ():
             signal = record.signals[name]
-            if signal.quantity == "joint_angle" and arm.effect(EncoderQuantisation.name, name) is None:
+            stated = arm.effect(EncoderQuantisation.name, name) is not None
+            if signal.quantity == "joint_angle" and not stated and not _rests(signal):
                 step = quantisation_step(signal.values[:, 0])
-                told = step <= NOISE_MODEL.coarse_count * (signal.noise_std or np.inf)
-                steps.setdefault(name, []).append(0.0 if told else step)
+                covered_by_noise = step <= NOISE_MODEL.coarse_count * (signal.noise_std or np.inf)
+                steps.setdefault(name, []).append(0.0 if covered_by_noise else step)
     return tuple(
         EncoderQuantisation(at=name, step=float(np.median(found)))
         for name, found in steps.items()
         if min(found) > 0 and max(found) < 1.01 * min(found)
     )
+
+
+def _rests(signal: Signal) -> bool:
+    """Return True if an encoder hardly moves: its readings tell of no step, nor that there is none."""
+    return len(np.unique(signal.values[signal.valid])) < FEW
 
 
 def with_errors_of_drives(
@@ -109,7 +119,8 @@ def with_coarse_encoders(problem: Problem, seed: int) -> tuple[Problem, tuple[Co
             driven = [r for r in problem.records.values() if _moves_by(r, effect.at)]
             noise = min(record.signals[effect.at].noise_std or 0.0 for record in driven)
             moves = problem.rows[most].signal
-            found.append(CoarseEncoder(effect, effect.step / noise, moves, float(error[most])))
+            ((_, _, unit),) = parameters_in(effect, arm)
+            found.append(CoarseEncoder(effect, unit, effect.step / noise, moves, float(error[most])))
     if not found:
         return problem, ()
     noisier = problem.with_noise(np.sqrt(1.0 + variance))

@@ -1,12 +1,13 @@
 """Virtual measurements: a record as sensors would write it of a simulated motion.
 
-    instants   t_k = start + k/rate_hz + jitter e_k                                                  (1)
-    values     reading at t_k + noise_std e, rounded to `step`; a share `drop_out` of them is lost   (2)
-    stamps     (1 + rate) (start + k/rate_hz + latency) + delay                                      (3)
+    instants   t_k + jitter e,   t_k = t_0 + start + k/rate_hz                                       (1)
+    values     reading at (1) + noise_std e, rounded to `step`; a share `drop_out` of them is lost   (2)
+    stamps     t + rate (t - t_0) + delay,   t = t_k + latency                                       (3)
 
-e are independent normal numbers, (delay, rate) the error of the sensor's clock. The stamp knows nothing of
-the jitter. Effects of the model on sensors, clocks and frames act as `flexarm.measurement.effects_of` says,
-where the noise has its place among them; what a record states of noise, clocks and frames does not know them.
+t_0 is the start of the run, e are independent normal numbers, (delay, rate) the error of the sensor's clock.
+The stamp knows nothing of the jitter. Effects of the model on sensors, clocks and frames act as
+`flexarm.measurement.effects_of` says, where the noise has its place among them; what a record states of
+noise, clocks and frames does not know them.
 Every random number comes from the generator that is passed in, sensor by sensor in their order.
 """
 
@@ -61,13 +62,19 @@ def measure(
         What the record states about clocks and frames; those that sensors name and nobody states are exact.
         The first clock is the reference.
     clock_errors : dict of str to ClockError, optional
-        How clocks really differ from the reference.
+        How clocks really differ from the time of the run, those left out by nothing; default: by the
+        offsets that `clocks` states.
     registrations : dict of str to Registration, optional
         Where frames really are; default: where `frames` states them.
     description : str
         Of the record.
     **tables
         `joints`, `payloads`, `links`, `controllers` and `base` of the record.
+
+    Returns
+    -------
+    Record
+        Of kind "motion", a signal for each sensor.
 
     Raises
     ------
@@ -95,9 +102,11 @@ def measure(
             stated_frames.setdefault(sensor.frame, Frame())
     places = {name: Registration(origin=f.xyz, rpy=f.rpy) for name, f in stated_frames.items()}
     places |= dict(registrations or {})
+    if clock_errors is None:
+        clock_errors = {name: ClockError(delay=clock.offset) for name, clock in stated_clocks.items()}
     drives = tuple(drive)
     signals = [
-        _signal(simulation, sensor, rng, sensor.clock or reference, clock_errors or {}, places, drives)
+        _signal(simulation, sensor, rng, sensor.clock or reference, clock_errors, places, drives)
         for sensor in sensors
     ]
     return Record(

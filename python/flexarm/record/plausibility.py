@@ -84,7 +84,7 @@ def unit_problems(record: Record, arm: Arm | None = None) -> Iterable[Problem]:
         if signal.valid.any():
             ratio = shaft_ratio(signal.joint, arm.gears) if arm is not None else 1.0
             found = [*_unit(signal, ratio)]
-            if signal.quantity == "position" and arm is None:  # `against_arm` has its reach
+            if signal.quantity == "position" and arm is None:  # else `compatibility` has its reach
                 found += _distant(signal, is_remote(record.frame_of(signal)))
             yield from (Problem(f"signals.{signal.name}", what) for what in found)
 
@@ -108,7 +108,7 @@ def disjoint_clocks(record: Record) -> Iterable[Problem]:
 def unknown_motion(record: Record) -> list[Problem]:
     """Return drives of a single value, or motions of other signals while a drive is unknown.
 
-    Nothing is said of signals that have no instant in common with the drive, nor where stamps are in no s.
+    Skip signals disjoint from the drive, and records with a wrong unit of time.
     """
     if record.kind != "motion":
         return []
@@ -191,14 +191,19 @@ def _distant(signal: Signal, elsewhere: bool) -> Iterable[str]:
 
 
 def _dead(signal: Signal) -> Iterable[str]:
-    """Yield channels that never change although their noise should make them."""
-    if signal.pose is not None or len(signal) < 10 or not signal.noise_std:
+    """Yield channels that never change although their noise should make them.
+
+    A joint at rest may show one count throughout; whether it moves is judged beside the model.
+    """
+    at_rest = signal.quantity in ("joint_angle", "joint_command")
+    if at_rest or signal.pose is not None or len(signal) < 10 or not signal.noise_std:
         return
     for name, column in zip(signal.channels or ("",) * signal.values.shape[1], signal.values.T, strict=True):
         seen = column[np.isfinite(column)]
         if len(seen) > 9 and np.ptp(seen) == 0:
+            which = f"channel {name!r} " if name else ""
             yield (
-                f"channel {name!r} holds {seen[0]:g} {signal.unit} throughout, although its noise is "
+                f"{which}holds {seen[0]:g} {signal.unit} throughout, although its noise is "
                 f"{signal.noise_std:g}"
             )
 

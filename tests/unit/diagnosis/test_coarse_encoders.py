@@ -126,3 +126,14 @@ def test_a_diagnosis_that_names_steps_is_saved_with_them(tmp_path):
     assert smoothed.label == "encoder_quantisation at hinge encoder"
     assert all(smoothed.rms[name] < 0.8 * nominal.rms[name] for name in found.training)
     assert "encoder_quantisation-hinge-encoder.png" in {p.name for p in (tmp_path / "out").iterdir()}
+
+
+def test_a_record_in_which_the_joint_rests_tells_nothing_of_steps():
+    """It has one count, which contradicts no step that another record shows."""
+    arm, record = run_of("one joint").simulation.arm, read(STEP)
+    encoder = record.signals["hinge encoder"]
+    still = encoder.replace(values=np.full_like(encoder.values, encoder.values[0]))
+    resting = record.replace(signals=[still, *(s for s in record.signals.values() if s.name != encoder.name)])
+    (found,) = coarse_encoders(arm, {"rest": resting, "run": record})
+    assert found.step == pytest.approx(STEP, rel=1e-6)
+    assert coarse_encoders(arm, {"rest": resting}) == ()
