@@ -102,7 +102,7 @@ class Estimation:
 
     def shared_columns(self) -> Floats:
         """Return A, with one shared size a family."""
-        shared = [self.columns(family) for family in self.families if family.hierarchy.shared]
+        shared = [self.columns(family) for family in self.families if family.hierarchy.has_mean]
         taken = {k for columns in shared for k in columns}
         groups = [*shared, *([k] for k in range(len(self.parameters)) if k not in taken)]
         found = np.zeros((len(self.parameters), len(groups)))

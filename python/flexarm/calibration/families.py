@@ -16,7 +16,7 @@ from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.diagnosis.candidates import places_of
-from flexarm.diagnosis.family import HierarchicalPrior
+from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
 from flexarm.diagnosis.nuisance import bare_key
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.settings import FIT

@@ -29,7 +29,7 @@ def posterior_of(estimation: Estimation, tell: Tell) -> Posterior:
     """
     u, policy = estimation.centre, estimation.policy
     white = replace(estimation, white=True, policy=replace(policy, tolerance=policy.tolerance_first))
-    if any(family.hierarchy.shared for family in estimation.families):
+    if any(family.hierarchy.has_mean for family in estimation.families):
         u = multi_start(estimation, u, tell)
         brief = replace(white, policy=replace(white.policy, iterations=policy.iterations_first))
         basis = estimation.shared_columns()
@@ -85,7 +85,7 @@ def multi_start(estimation: Estimation, u: Floats, tell: Tell) -> Floats:
     All else is fitted along to first order.
     """
     policy = estimation.policy
-    for family in (family for family in estimation.families if family.hierarchy.shared):
+    for family in (family for family in estimation.families if family.hierarchy.has_mean):
         tell(f"sizes of {family.effect}")
         columns = estimation.columns(family)
         others = [k for k in range(len(u)) if k not in columns]

@@ -247,7 +247,7 @@ def _range(free: FreeParameter, u: float, sigma: float) -> Range:
 def _family(posterior: Posterior, family: Family) -> CalibratedFamily:
     """Return the shared size of the members, with its uncertainty given theirs."""
     hierarchy, shared = family.hierarchy, None
-    if hierarchy.shared:
+    if hierarchy.has_mean:
         columns = posterior.estimation.columns(family)
         u = posterior.point.u[columns]
         mu, n = hierarchy.shared_value(u), len(u)

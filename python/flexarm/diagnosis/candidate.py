@@ -85,7 +85,7 @@ class Candidate:
         return FIT.prior_weight
 
     @property
-    def hyperprior_cost(self) -> float:
+    def hyperprior_log_evidence(self) -> float:
         """Return the log evidence of estimated priors; 0 without any."""
         return 0.0
 
@@ -114,7 +114,7 @@ class Candidate:
         """Return True if a parameter is the size of the effect."""
         return name == self.free[0]
 
-    def opened(self) -> Candidate:
+    def with_separate_sizes(self) -> Candidate:
         """Return the same with a size for each of its places."""
         return self
 
@@ -275,8 +275,9 @@ def transformed_parameters(members: Sequence[Candidate], arm: Arm) -> tuple[Tran
 
 
 def prior_rows(parameters: Sequence[TransformedParameter], z: Floats) -> tuple[Floats, Floats]:
-    """Return the priors' rows of a least-squares problem, with squares ln(1 + (z/3)^2), and their
-    derivatives.
+    """Return the rows of priors in least squares, with squares ln(1 + (w z)^2), and their derivatives.
+
+    The weight w is that of `TransformedParameter.held`.
     """
     weak = np.array([c.held for c in parameters])
     x = weak * z

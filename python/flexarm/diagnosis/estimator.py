@@ -208,11 +208,11 @@ class Estimator:
         Raise NotConverged or InvalidParameter if not even the start can be simulated.
         """
         solver = self.solver(tuple(members), nearby)
-        shares = any(member.opened() is not member for member in members)
+        shares = any(member.with_separate_sizes() is not member for member in members)
         z = solver.solve(solver.z_of(members), limit=inf if shares else limit)
         fit = self._found(solver, z, solver.members_at(z), solver.jacobian_at(z))
         if shares:
-            return self.trial([member.opened() for member in fit.members], fit, limit)
+            return self.trial([member.with_separate_sizes() for member in fit.members], fit, limit)
         return with_spreads(fit)
 
     def linearised(self, members: Sequence[Candidate]) -> Fit:

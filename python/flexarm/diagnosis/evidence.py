@@ -257,7 +257,7 @@ def occam(fit: Fit, jacobian: Floats, z: Floats) -> float:
     needed = {(n.name, n.at) for m in fit.members if (n := m.needs) is not None}
     prior = sum(c.log_density(float(x)) for c, x in zip(fit.parameters, z, strict=True))
     laplace = k / 2 * log(2 * pi) - (_log_determinant(hessian) - eliminated) / 2
-    families = sum(member.hyperprior_cost for member in fit.members)
+    families = sum(member.hyperprior_log_evidence for member in fit.members)
     return prior + laplace + families - len(needed - fit.spots) * log(2) - cost
 
 

@@ -1,36 +1,8 @@
-r"""A family: one effect at all places of a kind as one candidate, with a hierarchical prior of its sizes.
+r"""A family: one effect at all places of a kind as one candidate.
 
-Its places share each positive parameter at first. Once *opened* each has its own, named after it, such as
-"j1.stiffness", with a hierarchical prior. Its mean and spread are estimated (empirical Bayes), and their
-uncertainty is part of the evidence. Parameters that shape a law, such
-as a damping, keep the effect's own priors.
-
-Sizes that are positive are alike in the logarithm u = ln p,
-
-.. math:: u_i \sim N(\mu, \tau^2), \quad \mu \sim N(m, s^2)                                            (1)
-
-with mode m and s of the effect's own prior: a member that the data hardly know stays near the shared size
-exp(mu). Errors that may have either sign have no shared value but a shared size,
-
-.. math:: u_i \sim N(0, \tau^2)                                                                        (2)
-
-The spread tau is estimated: its posterior mode given estimates u and their variances v,
-
-.. math:: \tau^2 = \frac{\nu \tau_0^2 + \sum_i \left((u_i - \mu)^2 + v_i\right)}{\nu + n}             (3)
-
-where a prior spread tau_0 counts as nu members: of (1) a spread of its own, of (2) the effect's sigma. So
-x = ln tau^2 has the density
-
-.. math:: \ln p(x) = \tfrac{\nu}{2} \ln \tfrac{\nu \tau_0^2}{2} - \ln\Gamma(\tfrac{\nu}{2})
-          - \tfrac{\nu}{2} x - \tfrac{\nu \tau_0^2}{2} e^{-x}                                          (4)
-
-Members given mu and tau have evidence of their own. By Laplace's approximation about (3), with the curvatures
-n/tau^2 + 1/s^2 and (nu + n)/2, the uncertainty of mu and x costs
-
-.. math:: \ln p(\mu) + \tfrac12 \ln\frac{2\pi}{n/\tau^2 + 1/s^2}
-          + \ln p(x) + \tfrac12 \ln\frac{4\pi}{\nu + n}                                                (5)
-
-Source: [Gelman2013], chapter 5; (3) is a step of expectation maximisation [Dempster1977].
+Its places share each positive parameter at first. Families with separate sizes have one parameter a place,
+named after it, such as "j1.stiffness", with a hierarchical prior. Parameters that shape a law, such as a
+damping, keep the effect's own priors.
 """
 
 from __future__ import annotations
@@ -38,93 +10,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import exp, lgamma, log, pi, sqrt
+from math import log
 from typing import ClassVar
 
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.arm.prior import QUANTILE, Prior
+from flexarm.arm.prior import Prior
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.fit import Fit, NormalEquations, joint_jacobian
+from flexarm.diagnosis.fit import Fit, posterior_covariance
+from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
 from flexarm.diagnosis.policy import FamilyPolicy
 from flexarm.diagnosis.settings import FIT
 from flexarm.named_effects import Place
-
-
-@dataclass(frozen=True)
-class HierarchicalPrior:
-    """Eq. (1) or (2) of one parameter."""
-
-    prior: Prior
-    """Prior of the size in one machine."""
-    prior_spread: float
-    count: float
-    """tau_0 and nu of (3); `family_spread` and `family_count` of the policy."""
-    spread: float
-    """tau of (1) or (2)."""
-    mean: float = 0.0
-    """mu of (1); 0 of (2)."""
-
-    @classmethod
-    def of(cls, prior: Prior, policy: FamilyPolicy) -> HierarchicalPrior:
-        """Return the prior before any data."""
-        own = policy.family_spread if prior.scale == "log" else (prior.high - prior.low) / (2 * QUANTILE)
-        found = cls(prior, own, policy.family_count, own)
-        return replace(found, mean=found.hyperprior[0])
-
-    @property
-    def shared(self) -> bool:
-        """Return True if the members have a shared value, eq. (1)."""
-        return self.prior.scale == "log"
-
-    @property
-    def hyperprior(self) -> tuple[float, float]:
-        """Return m and s of (1); zeros of (2)."""
-        if not self.shared:
-            return 0.0, 0.0
-        low, mode, high = (log(value) for value in (self.prior.low, self.prior.typical, self.prior.high))
-        return mode, (high - low) / (2 * QUANTILE)
-
-    def precision(self, n: int) -> Floats:
-        """Return the inverse of the prior covariance of n members, shape (n, n)."""
-        covariance = self.hyperprior[1] ** 2 * np.ones((n, n)) + self.spread**2 * np.eye(n)
-        return np.asarray(np.linalg.inv(covariance))
-
-    def shared_value(self, u: Floats) -> float:
-        """Return the posterior mean of mu given the members' u; 0 of (2)."""
-        m, s = self.hyperprior
-        if not self.shared:
-            return 0.0
-        weights = 1 / self.spread**2, 1 / s**2
-        return float((weights[0] * u.sum() + weights[1] * m) / (weights[0] * len(u) + weights[1]))
-
-    def updated(self, u: Floats, variance: Floats) -> HierarchicalPrior:
-        """Return the same with the mean of the members' u and the spread of (3)."""
-        mean = self.shared_value(u)
-        squares = float(np.sum((u - mean) ** 2 + variance))
-        spread = sqrt((self.count * self.prior_spread**2 + squares) / (self.count + len(u)))  # eq. (3)
-        return replace(self, mean=mean, spread=spread)
-
-    def of_member(self) -> Prior:
-        """Return the prior of each member given mu and tau."""
-        ends = (self.mean + sign * QUANTILE * self.spread for sign in (-1, 0, 1))
-        low, mode, high = (exp(end) for end in ends) if self.shared else ends
-        source = f"{self.prior.source}; shared with the other places"
-        return replace(self.prior, low=low, typical=mode, high=high, source=source)
-
-    def cost(self, n: int) -> float:
-        """Return ln of the evidence of mu and tau of n members, eq. (5)."""
-        nu, x = self.count, 2 * log(self.spread)
-        scale = nu * self.prior_spread**2 / 2
-        density = nu / 2 * (log(scale) - x) - lgamma(nu / 2) - scale / self.spread**2  # eq. (4)
-        found = density + log(4 * pi / (nu + n)) / 2
-        if self.shared:
-            m, s = self.hyperprior
-            of_mean = -(((self.mean - m) / s) ** 2) / 2 - log(2 * pi * s**2) / 2
-            found += of_mean + log(2 * pi / (n / self.spread**2 + 1 / s**2)) / 2
-        return found  # eq. (5)
 
 
 @dataclass(frozen=True)
@@ -132,7 +31,7 @@ class EffectFamily(Candidate):
     """One effect at several places."""
 
     members: tuple[Candidate, ...] = ()
-    """One a place; all else is that of the first, but for `free`."""
+    """Candidates, one a place; other fields equal those of the first, except `free`."""
     hierarchy: Mapping[str, HierarchicalPrior] = field(default_factory=dict)
     """Prior of each parameter that the members share in kind, by name."""
     shared: bool = False
@@ -144,7 +43,7 @@ class EffectFamily(Candidate):
     def of(
         cls, members: Sequence[Candidate], hierarchy: Mapping[str, HierarchicalPrior], shared: bool
     ) -> EffectFamily:
-        """Return the family of candidates that are alike but for their places."""
+        """Return the family of candidates that differ in their places only."""
         first = members[0]
         free = first.free if shared else tuple(f"{m.effect.at}.{name}" for m in members for name in m.free)
         return cls(
@@ -189,17 +88,17 @@ class EffectFamily(Candidate):
 
     def prior_of(self, name: str) -> Prior | None:
         """Return the hierarchical prior of a member's parameter; None for other parameters."""
-        alike = None if self.shared else self.hierarchy.get(self._values[name][0][1])
-        return None if alike is None else alike.of_member()
+        prior = None if self.shared else self.hierarchy.get(self._values[name][0][1])
+        return None if prior is None else prior.member_prior()
 
     def prior_weight(self, name: str) -> float:
         """Return the weight of a parameter's prior in a fit: one for a hierarchical prior."""
         return super().prior_weight(name) if self.prior_of(name) is None else 1.0
 
     @property
-    def hyperprior_cost(self) -> float:
+    def hyperprior_log_evidence(self) -> float:
         """Return the log evidence of the means and spreads."""
-        return sum(each.cost(len(self.members)) for each in self.hierarchy.values())
+        return sum(each.log_evidence(len(self.members)) for each in self.hierarchy.values())
 
     def parameters_in(self, arm: Arm) -> list[tuple[str, float, str]]:
         """Return all parameters as (name, value, unit) in a model."""
@@ -254,8 +153,8 @@ class EffectFamily(Candidate):
         """Return None: no other effect acts at so many places."""
         return None
 
-    def opened(self) -> EffectFamily:
-        """Return the same with a size for each of its places, alike by the prior spread."""
+    def with_separate_sizes(self) -> EffectFamily:
+        """Return the same with a size for each of its places, which scatter by the prior spread."""
         if not self.shared:
             return self
         hierarchy = {
@@ -276,7 +175,7 @@ class EffectFamily(Candidate):
         """Return the place of a parameter."""
         return self.members[self._values[name][0][0]].effect.at
 
-    def alike(self, parameter: str) -> list[str]:
+    def names_of(self, parameter: str) -> list[str]:
         """Return the names of a parameter of all members."""
         return [name for name, ((_, own), *_) in self._values.items() if own == parameter]
 
@@ -291,7 +190,7 @@ def family_of(members: Sequence[Candidate], arm: Arm, policy: FamilyPolicy) -> E
     }
     if not hierarchy:
         return None
-    return EffectFamily.of(members, hierarchy, all(each.shared for each in hierarchy.values()))
+    return EffectFamily.of(members, hierarchy, all(each.has_mean for each in hierarchy.values()))
 
 
 def clear_places(fit: Fit, family: EffectFamily, strong: float) -> list[str]:
@@ -300,7 +199,7 @@ def clear_places(fit: Fit, family: EffectFamily, strong: float) -> list[str]:
     A size is known to a part f of itself if its effect has a signal to noise ratio of 1/f, which is an
     evidence of 1/(2 f^2): more than `strong` [-].
     """
-    std, found = np.sqrt(np.diag(covariance(fit))), []
+    std, found = np.sqrt(np.diag(posterior_covariance(fit))), []
     for j, (parameter, z) in enumerate(zip(fit.parameters, fit.z, strict=True)):
         if fit.members[parameter.candidate] is family and family.is_size(parameter.name):
             relative = abs(parameter.slope(float(z)) / parameter.value(float(z))) * std[j]
@@ -314,16 +213,9 @@ def with_spreads(fit: Fit) -> Fit:
     if not any(isinstance(member, EffectFamily) and not member.shared for member in fit.members):
         return fit
     for _ in range(FIT.spread_rounds):
-        variance = np.diag(covariance(fit))
+        variance = np.diag(posterior_covariance(fit))
         fit = _on_scales_of(fit, [_updated(fit, k, variance) for k in range(len(fit.members))])
     return fit
-
-
-def covariance(fit: Fit) -> Floats:
-    """Return the covariance of z and x, with rows weighted by the mean square of the residual."""
-    jacobian, _, prior = joint_jacobian(fit)
-    weight = np.full(len(jacobian), min(1.0, len(fit.residual) / max(fit.cost, 1e-300)))
-    return NormalEquations.of(jacobian, prior, weight).inverse()
 
 
 def _updated(fit: Fit, k: int, variance: Floats) -> Candidate:
@@ -333,10 +225,10 @@ def _updated(fit: Fit, k: int, variance: Floats) -> Candidate:
         return member
     hierarchy = dict(member.hierarchy)
     for parameter, prior in member.hierarchy.items():
-        names = member.alike(parameter)
+        names = member.names_of(parameter)
         where = [j for j, c in enumerate(fit.parameters) if c.candidate == k and c.name in names]
         values = np.array([fit.parameters[j].value(float(fit.z[j])) for j in where])
-        u = np.log(values) if prior.shared else values
+        u = np.log(values) if prior.has_mean else values
         hierarchy[parameter] = prior.updated(u, variance[where] * prior.spread**2)
     return replace(member, hierarchy=hierarchy)
 

@@ -222,3 +222,10 @@ def _least(fit: Fit, jacobian: Floats, residual: Floats) -> Floats:
     return -NormalEquations.of(jacobian, held, unknown=FIT.undetermined_weighted).solved(
         jacobian.T @ residual + pull
     )
+
+
+def posterior_covariance(fit: Fit) -> Floats:
+    """Return the covariance of z and x, with rows weighted by the mean square of the residual."""
+    jacobian, _, prior = joint_jacobian(fit)
+    weight = np.full(len(jacobian), min(1.0, len(fit.residual) / max(fit.cost, 1e-300)))
+    return NormalEquations.of(jacobian, prior, weight).inverse()

@@ -16,7 +16,8 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.family import EffectFamily, HierarchicalPrior, family_of
+from flexarm.diagnosis.family import EffectFamily, family_of
+from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
 from flexarm.diagnosis.moves.families import _in_place_of_singles, without_idle_places
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import FamilyPolicy
@@ -68,14 +69,14 @@ def test_the_cost_of_mean_and_spread_is_near_that_of_their_integral(offsets):
     exact = log(dblquad(density, m - 6 * s, m + 6 * s, -6.0, 5.0, epsabs=1e-12)[0])
     z = (u - found.mean) / found.spread
     members = -np.sum(z**2) / 2 - len(u) * log(found.spread * sqrt(2 * pi))
-    assert members + found.cost(len(u)) == pytest.approx(exact, abs=0.5)
+    assert members + found.log_evidence(len(u)) == pytest.approx(exact, abs=0.5)
 
 
 def test_a_member_that_nothing_tells_has_the_shared_size_and_spread():
     found = (
         HierarchicalPrior.of(PRIOR, FamilyPolicy(1.0, 2.0))
         .updated(log(2e4) + np.zeros(20), np.zeros(20))
-        .of_member()
+        .member_prior()
     )
     assert found.typical == pytest.approx(2e4, rel=0.02)
     assert log(found.high / found.low) == pytest.approx(2 * 1.96 * sqrt(2 / 22), rel=1e-3)  # eq. (3)
@@ -90,7 +91,7 @@ def family(shared: bool = True) -> EffectFamily:
     ]
     found = family_of(members, soft_arm(2), FamilyPolicy())
     assert found is not None
-    return found if shared else found.opened()
+    return found if shared else found.with_separate_sizes()
 
 
 def test_a_shared_size_is_that_of_all_places():
