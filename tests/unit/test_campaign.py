@@ -204,6 +204,12 @@ def test_a_directory_with_files_needs_resume_or_force(simulated, tmp_path):
     assert entries(tmp_path / "out") == sorted([*again.files, "notes.txt"])
 
 
+def test_going_on_and_beginning_anew_exclude_each_other(simulated, tmp_path):
+    with pytest.raises(flexarm.InvalidParameter, match="only one of resume and force"):
+        flexarm.campaign(simulated, tmp_path / "out", resume=True, force=True, n_jobs=1)
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_study_at_fault_leaves_no_directory(simulated, tmp_path):
     simulated.write_text(SIMULATED.replace("n = 16", "n = -1"))
     with pytest.raises(InvalidFile, match=r"sampling\.n"):

@@ -6,8 +6,7 @@ import json
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from flexarm.campaigns.plan import Plan, planned, refuse_other
 from flexarm.campaigns.progress import Tally, Tell, resumable
 from flexarm.campaigns.results import write_results
 from flexarm.campaigns.store import RESULTS, Store, refuse_gaps
-from flexarm.campaigns.task_size import TASK_SECONDS, alone, seconds_of_a_run, task_size
+from flexarm.campaigns.task_size import LONG_RUN, alone, seconds_of_a_run, task_size
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.output import growing_directory, writing
@@ -79,6 +78,8 @@ def campaign(
     >>> found = flexarm.campaign("tolerances.toml", "tolerances")  # doctest: +SKIP
     >>> found.dataset["tip_position_max"]  # doctest: +SKIP
     """
+    if resume and force:
+        raise InvalidParameter("go on, or begin anew: only one of resume and force", where="resume")
     if scheduler is not None and n_jobs is not None:
         raise InvalidParameter("is of the local cluster; a scheduler has its own workers", where="n_jobs")
     plan, folder = planned(Path(study)), Path(out)
@@ -93,29 +94,26 @@ def campaign(
         raise InvalidFile(folder, "output", what)
     with growing_directory(folder, resume or force, [plan.file, *plan.inputs.values()], names) as partial_:
         store = Store(folder, partial_)
-        session = _begun(plan, store, resume, force, say)
+        record = _begun(plan, store, resume, force, say)
         done = set(range(plan.count)) if store.results.is_file() else store.done()
         refuse_gaps(store.parts, plan.count, done)
         tally = Tally(plan.count, len(done), progress or (lambda done, what: None))
         with resumable(store, tally):
             if not store.results.is_file():
                 _compute(plan, store, done, tally, scheduler, n_jobs, say)
-            return _finished(plan, store, session)
+            return _finished(plan, store, record)
 
 
-@dataclass
-class _Session:
-    """What study.json tells of a campaign, as it goes."""
-
-    record: dict[str, Any]
-
-    def write(self, store: Store) -> None:
-        text = json.dumps(self.record, indent=2, allow_nan=False)
-        store.write(store.directory / STUDY, f"{text}\n".encode())
+def _write_study(store: Store, record: Mapping[str, Any]) -> None:
+    """Write what study.json tells of a campaign, as it goes."""
+    text = json.dumps(record, indent=2, allow_nan=False)
+    store.write(store.directory / STUDY, f"{text}\n".encode())
 
 
-def _begun(plan: Plan, store: Store, resume: bool, force: bool, say: Callable[[str], object]) -> _Session:
-    """Return the session of a new campaign, or of one that goes on."""
+def _begun(
+    plan: Plan, store: Store, resume: bool, force: bool, say: Callable[[str], object]
+) -> dict[str, Any]:
+    """Return what study.json tells of a new campaign, or of one that goes on."""
     file = store.directory / STUDY
     versions = config()
     if resume and file.is_file():
@@ -124,7 +122,6 @@ def _begun(plan: Plan, store: Store, resume: bool, force: bool, say: Callable[[s
         if record["versions"] != versions:
             say(f"{file}: begun with flexarm {record['versions']['git']}, goes on with {versions['git']}")
         record["sessions"].append({"started": _now(), "versions": versions})
-        session = _Session(record)
     elif resume and (store.parts.exists() or store.results.exists()):
         raise InvalidFile(file, "file", "there is no such file, but results are; --force begins anew")
     else:
@@ -132,23 +129,21 @@ def _begun(plan: Plan, store: Store, resume: bool, force: bool, say: Callable[[s
             store.clear()
             for name in (RESULTS, STUDY, SUMMARY):
                 (store.directory / name).unlink(missing_ok=True)
-        session = _Session(
-            {
-                "format": FORMAT,
-                "state": "running",
-                "file": str(plan.file),
-                **plan.fingerprint(),
-                "samples": plan.count,
-                "parameters": [
-                    {"key": each.key, "unit": each.unit, "nominal": plan.variation.nominal(each)}
-                    for each in plan.variation.parameters
-                ],
-                "versions": versions,
-                "sessions": [{"started": _now(), "versions": versions}],
-            }
-        )
-    session.write(store)
-    return session
+        record = {
+            "format": FORMAT,
+            "state": "running",
+            "file": str(plan.file),
+            **plan.fingerprint(),
+            "samples": plan.count,
+            "parameters": [
+                {"key": each.key, "unit": each.unit, "nominal": plan.variation.nominal(each)}
+                for each in plan.variation.parameters
+            ],
+            "versions": versions,
+            "sessions": [{"started": _now(), "versions": versions}],
+        }
+    _write_study(store, record)
+    return record
 
 
 def _compute(
@@ -166,24 +161,23 @@ def _compute(
     with reading(plan.file.parent / plan.study.model, "a model", "model"):
         nominal = plan.job.runner.nominal(plan.arm)
     spent = time.perf_counter() - began
-    each = seconds_of_a_run(plan.job.runner, plan.arm, spent / len(nominal)) if nominal else TASK_SECONDS
+    if pending:
+        each = seconds_of_a_run(plan.job.runner, plan.arm, spent / len(nominal)) if nominal else LONG_RUN
 
-    def put(rows: Sequence[Row]) -> None:
-        store.put(rows)
-        tally.add(len(rows))
+        def put(rows: Sequence[Row]) -> None:
+            store.put(rows)
+            tally.add(len(rows))
 
-    if not pending:
-        pass
-    elif scheduler is None and alone(jobs, each * len(pending)):
-        compute_here(plan.job, plan.tasks(pending, task_size(each, plan.row_bytes, 1), 1), put)
-    else:
-        wanted = min(jobs or os.cpu_count() or 1, len(pending))
-        with client_of(scheduler, wanted, store.room) as client:
-            if address := page_of(client):
-                say(f"Dask's page: {address}")
-            workers = max(1, sum(client.nthreads().values()))
-            size = task_size(each, plan.row_bytes, workers)
-            compute_with(client, plan.job, plan.tasks(pending, size, workers), put)
+        if scheduler is None and alone(jobs, each * len(pending)):
+            compute_here(plan.job, plan.tasks(pending, task_size(each, plan.row_bytes, 1), 1), put)
+        else:
+            wanted = min(jobs or os.cpu_count() or 1, len(pending))
+            with client_of(scheduler, wanted, store.room) as client:
+                if address := page_of(client):
+                    say(f"Dask's page: {address}")
+                workers = max(1, sum(client.nthreads().values()))
+                size = task_size(each, plan.row_bytes, workers)
+                compute_with(client, plan.job, plan.tasks(pending, size, workers), put)
     _write(plan, store, nominal)
 
 
@@ -206,16 +200,16 @@ def _write(plan: Plan, store: Store, nominal: list[Outcome]) -> None:
         partial_.replace(path)
 
 
-def _finished(plan: Plan, store: Store, session: _Session) -> Campaign:
+def _finished(plan: Plan, store: Store, record: dict[str, Any]) -> Campaign:
     """Write down what ran, and remove the batches."""
     most_failures = 1000  # failures that study.json lists; it counts all
-    campaign_ = Campaign(store.directory, session.record)
+    campaign_ = Campaign(store.directory, record)
     with campaign_.dataset as data:
         status, reasons = data["status"].values, data["reason"].values
         seconds = float(data["seconds"].sum())
     failed = [int(i) for i in (status == "failed").nonzero()[0]]
     keys, rows = plan.variation.keys, len(plan.values)
-    session.record |= {
+    record |= {
         "state": "finished",
         "finished": _now(),
         "run_seconds": seconds,
@@ -234,8 +228,8 @@ def _finished(plan: Plan, store: Store, session: _Session) -> Campaign:
     seed = plan.study.sampling.seed if plan.study.sampling else 0
     with campaign_.dataset as data:
         findings = findings_of(data, plan.variation.keys, label_names(plan.cases), seed)
-    store.write(store.directory / SUMMARY, page(findings, session.record).encode())
-    session.write(store)
+    store.write(store.directory / SUMMARY, page(findings, record).encode())
+    _write_study(store, record)
     store.clear()
     return campaign_
 

@@ -64,7 +64,7 @@ def campaign(
             raise
         except InvalidParameter as error:
             problem = error.problems[0]
-            where = "--scheduler" if problem.where == "scheduler" else problem.where
+            where = f"--{problem.where}" if problem.where in ("scheduler", "resume") else problem.where
             raise InvalidFile("command line", where, problem.what) from None
     print(done.summary())
     print(f"written to {out}: {', '.join(done.files)}")
