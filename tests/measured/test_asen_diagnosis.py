@@ -15,8 +15,8 @@ from flexarm.arm.motor_limits import stall_torque
 from flexarm.arm.parameter import with_value
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
+from flexarm.diagnosis.cross_validation import press_rms
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import press_rms
 from flexarm.diagnosis.moves.proposals import fit_singles
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.problem import Problem

@@ -38,13 +38,8 @@ from math import inf
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.evidence import (
-    above_noise,
-    log_bayes_factor,
-    log_odds_lost,
-    predicts_better,
-    press_rms,
-)
+from flexarm.diagnosis.cross_validation import log_odds_lost, predicts_better, press_rms
+from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem

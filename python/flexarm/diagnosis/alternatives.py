@@ -35,8 +35,9 @@ from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, is_required
+from flexarm.diagnosis.cross_validation import predicts_better
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio, predicts_better
+from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.proposals import one_variant
 from flexarm.diagnosis.moves.search_state import small_steps

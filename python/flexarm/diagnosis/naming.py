@@ -19,7 +19,8 @@ from flexarm.comparison.alignment_parameters import has_noise, uncertain_clock_a
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.alternatives import probabilities
 from flexarm.diagnosis.candidate import Candidate
-from flexarm.diagnosis.evidence import above_noise, log_bayes_factor, press_rms
+from flexarm.diagnosis.cross_validation import press_rms
+from flexarm.diagnosis.evidence import above_noise, log_bayes_factor
 from flexarm.diagnosis.family import EffectFamily, clear_places
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.nuisance import known_loads

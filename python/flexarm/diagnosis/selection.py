@@ -29,8 +29,9 @@ from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.alternatives import AlternativeModel, alternatives_of, without
 from flexarm.diagnosis.candidate import is_required
 from flexarm.diagnosis.candidates import cardan_joints, driven_joints, effect_count
+from flexarm.diagnosis.cross_validation import log_odds_lost, press_rms
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import explained_share, log_bayes_factor, log_odds_lost, press_rms
+from flexarm.diagnosis.evidence import explained_share, log_bayes_factor
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.families import without_idle_places
 from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES

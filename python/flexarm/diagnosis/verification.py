@@ -20,7 +20,7 @@ from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
 from flexarm.comparison.compare import comparison_of
 from flexarm.comparison.comparison import Comparison
 from flexarm.diagnosis.candidate import Candidate, springs_first, with_members
-from flexarm.diagnosis.evidence import cross_validated_skill, press_rms
+from flexarm.diagnosis.cross_validation import cross_validated_skill, press_rms
 from flexarm.diagnosis.fit import Fit
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice

@@ -9,8 +9,8 @@ import pytest
 
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.candidate import Candidate, TransformedParameter
+from flexarm.diagnosis.cross_validation import folds
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import folds
 from flexarm.diagnosis.fit import Fit, Projection
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.evidence import folds, predicts_better, press_residuals, press_rms
+from flexarm.diagnosis.cross_validation import folds, predicts_better, press_residuals, press_rms
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.policy import SelectionPolicy
 

@@ -6,8 +6,8 @@ from arms import crane, smooth_step, tracker
 
 import flexarm
 from flexarm.arm.sensor import Sensor
+from flexarm.diagnosis.cross_validation import folds
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.evidence import folds
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexarm.diagnosis.evidence import cross_validated_skill
+from flexarm.diagnosis.cross_validation import cross_validated_skill
 from flexarm.diagnosis.fit import Projection
 
 N = 100
