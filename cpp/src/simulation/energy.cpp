@@ -47,12 +47,9 @@ void add_table_energies(const SystemIn<D>& system, const StateIn<D>& state, Ener
     const auto& beam = system.beams()[load.beam];
     const FrameIn<D>&H1 = state.frames[beam.node1()], &H2 = state.frames[beam.node2()];
     const Twist<D> e = beam.deformation(H1, H2, state.elapsed()), r = load.table.at(state).y * load.strain;
-    const Twist<D> e_dot = InverseTangentIn<D>(logarithm<D>(relative<D>(H1, H2)))
-                               .strain_rate(state.v.template segment<n>(n * beam.node1()),
-                                            state.v.template segment<n>(n * beam.node2()));
-    const Twist<D> stress = beam.stiffness().cwiseProduct(e - r + beam.damping_time() * e_dot);
     E.elastic += (0.5 * r - e).dot(beam.stiffness().cwiseProduct(r));
-    E.table_power -= load.table.rate(state) * load.strain.dot(stress);
+    E.table_power -= load.table.rate(state) * load.strain.dot(beam.stiffness().cwiseProduct(e - r));
+    if (beam.grows()) E.bow_power += beam.bow_rate(state.elapsed()).dot(beam.stiffness().cwiseProduct(r));
   }
   for (const auto& load : system.state_forces())
     E.table_power -= load.forces(state).dot(state.v.template segment<n>(n * load.node));

@@ -28,15 +28,20 @@ struct PlacedTable {
   /// p and its derivatives with respect to y.
   template <int D>
   joints::MonotoneCubic::Value at(const StateIn<D>& state) const {
-    return table.at(state.t)(of_rate ? state.v[of_velocity(state)] : state.s[scalar]);
+    return table.at(state.t)(y(state));
   }
   /// p' [1/s].
   template <int D>
   double rate(const StateIn<D>& state) const {
-    return at(state).first * (of_rate ? state.v_dot : state.v)[of_velocity(state)];
+    const double y_dot = (of_rate ? state.v_dot : state.v)[of_velocity(state)];
+    return at(state).first * y_dot + table.at(state.t).rate(y(state));
   }
 
  private:
+  template <int D>
+  double y(const StateIn<D>& state) const {
+    return of_rate ? state.v[of_velocity(state)] : state.s[scalar];
+  }
   template <int D>
   Eigen::Index of_velocity(const StateIn<D>& state) const {
     return state.v.size() - state.s.size() + scalar;
@@ -86,7 +91,7 @@ struct StateForceIn {
 template <int D>
 class SystemIn;
 
-/// Adds all of a system's to the rows of the nodes.
+/// Adds the forces of all state loads to r.
 template <int D>
 void add_state_loads(const SystemIn<D>& system, const StateIn<D>& state, VectorXd& r);
 

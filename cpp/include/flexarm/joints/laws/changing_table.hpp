@@ -21,13 +21,15 @@ namespace flexarm::joints {
 /// The table of (1) at one instant.
 struct TableAtInstant {
   const MonotoneCubic &before, &after;
-  double s;
+  double s, s_rate;
 
   MonotoneCubic::Value operator()(double x) const {
     if (s == 0) return before(x);
     const auto a = before(x), b = after(x);
     return {mean(a.y, b.y), mean(a.first, b.first), mean(a.second, b.second)};
   }
+  /// ∂y/∂t.
+  double rate(double x) const { return s_rate == 0 ? 0.0 : s_rate * (after(x).y - before(x).y); }
   double integral(double x) const {
     return s == 0 ? before.integral(x) : mean(before.integral(x), after.integral(x));
   }
@@ -58,7 +60,7 @@ struct ChangingTable {
 
   TableAtInstant at(double t) const {
     const double s = changes() ? std::clamp((t - instant) / duration + 0.5, 0.0, 1.0) : 0.0;  // eq. (1)
-    return {before, after, s};
+    return {before, after, s, s > 0 && s < 1 ? 1 / duration : 0.0};
   }
 
   /// Least slope at any instant.
