@@ -84,7 +84,7 @@ typename BeamSlideIn<D>::Rows BeamSlideIn<D>::rows(const Contact& at) const {
 }
 
 template <int D>
-typename BeamSlideIn<D>::Conditions BeamSlideIn<D>::gap(const Frames& frames) const {
+typename BeamSlideIn<D>::Conditions BeamSlideIn<D>::residual(const Frames& frames) const {
   const Contact at = contact(frames);
   return seen(at, place(at)).template tail<D - 1>();
 }

@@ -83,7 +83,7 @@ void System::place_hinges_of_closures(State& state) const {
     if (closure.bearing.empty()) continue;
     const joints::JointType motion = closure.pin()->motion;
     state.s[hinge->theta] = motion == joints::JointType::revolute
-                                ? constraint.turn(H_a, H_b)
+                                ? constraint.hinge_angle(H_a, H_b)
                                 : (A.R * closure.axis.normalized()).dot(constraint.place_on_b(H_b) - A.x);
     state.frames[hinge->node] = A * exp6(state.s[hinge->theta] * joints::motion_twist(motion, closure.axis));
   }

@@ -57,8 +57,8 @@ std::vector<int> System::chain_to(int link) const {
 }
 
 /// The conditions, then those of gears between joints of loops.
-VectorXd System::loop_gap(const std::vector<double>& joint_values) const {
-  VectorXd g = rigid_closures_.gap(open_state(joint_values).frames);
+VectorXd System::loop_residual(const std::vector<double>& joint_values) const {
+  VectorXd g = rigid_closures_.residual(open_state(joint_values).frames);
   for (const model::Gear& gear : arm_.gears) {
     const int in = joint_index(gear.input), out = joint_index(gear.output);
     if (!in_loop_[in]) continue;
@@ -73,7 +73,7 @@ MatrixXd System::loop_jacobian(const std::vector<double>& joint_values,
                                const std::vector<int>& unknowns) const {
   const State state = open_state(joint_values);
   const auto columns = static_cast<Eigen::Index>(unknowns.size());
-  MatrixXd G = MatrixXd::Zero(loop_gap(joint_values).size(), columns);
+  MatrixXd G = MatrixXd::Zero(loop_residual(joint_values).size(), columns);
   int row = 0;
   for (std::size_t k = 0; k < rigid_closures_.size(); ++k) {
     const joints::ClosureConstraint& closure = rigid_closures_[k];
@@ -108,11 +108,11 @@ MatrixXd System::loop_jacobian(const std::vector<double>& joint_values,
   return G;
 }
 
-bool System::right_way(const std::vector<double>& joint_values) const {
+bool System::axes_agree(const std::vector<double>& joint_values) const {
   const State state = open_state(joint_values);
   for (std::size_t k = 0; k < rigid_closures_.size(); ++k) {
     const joints::ClosureConstraint& closure = rigid_closures_[k];
-    if (!closure.right_way(frame(state, closure.node_a()), frame(state, closure.node_b()))) return false;
+    if (!closure.axes_agree(frame(state, closure.node_a()), frame(state, closure.node_b()))) return false;
   }
   return true;
 }
@@ -141,7 +141,7 @@ System::Closed System::newton(std::vector<double> values, const std::vector<int>
     }
     return to;
   };
-  VectorXd g = loop_gap(values);
+  VectorXd g = loop_residual(values);
   for (int k = 0; k < most_steps && !unknowns.empty(); ++k) {
     const bool close = g.lpNorm<Eigen::Infinity>() <= met * reach_;
     VectorXd step = -dense::least_squares(loop_jacobian(values, unknowns), g, rank_tolerance);
@@ -150,7 +150,7 @@ System::Closed System::newton(std::vector<double> values, const std::vector<int>
     bool closer = false;
     for (int halvings = 0; halvings < 20 && !closer; ++halvings, step *= 0.5) {
       const std::vector<double> trial = moved(step);
-      const VectorXd there = loop_gap(trial);
+      const VectorXd there = loop_residual(trial);
       if (!(there.norm() < g.norm())) continue;
       closer = true;
       values = trial;
@@ -158,7 +158,7 @@ System::Closed System::newton(std::vector<double> values, const std::vector<int>
     }
     if (!closer || close) break;  // to rounding, or nowhere
   }
-  return {values, g.lpNorm<Eigen::Infinity>() <= met * reach_ && right_way(values)};
+  return {values, g.lpNorm<Eigen::Infinity>() <= met * reach_ && axes_agree(values)};
 }
 
 /// Newton's method from the values, then from others; of those that fail the nearest is told.
@@ -173,7 +173,7 @@ System::Closed System::search(const std::vector<double>& values, const std::vect
       start[j] += k * (slides ? reach_ : 3.2) * any(generator) / most_tries;
     }
     const Closed found = newton(start, unknowns);
-    if (found.met || loop_gap(found.values).norm() < loop_gap(best.values).norm()) best = found;
+    if (found.met || loop_residual(found.values).norm() < loop_residual(best.values).norm()) best = found;
   }
   return best;
 }
@@ -182,11 +182,11 @@ void System::refuse(const std::vector<double>& nearest, const std::vector<int>& 
   const State state = open_state(nearest);
   std::size_t worst = 0;
   double largest = -1;
-  std::vector<joints::ClosureConstraint::Apart> apart;
+  std::vector<joints::ClosureConstraint::Misclosure> misclosures;
   for (std::size_t k = 0; k < rigid_closures_.size(); ++k) {
     const joints::ClosureConstraint& closure = rigid_closures_[k];
-    apart.push_back(closure.apart(frame(state, closure.node_a()), frame(state, closure.node_b())));
-    const double size = apart[k].distance + reach_ * apart[k].angle;
+    misclosures.push_back(closure.misclosure(frame(state, closure.node_a()), frame(state, closure.node_b())));
+    const double size = misclosures[k].distance + reach_ * misclosures[k].angle;
     if (size > largest) worst = k;
     largest = std::max(largest, size);
   }
@@ -200,10 +200,10 @@ void System::refuse(const std::vector<double>& nearest, const std::vector<int>& 
     held += (held.empty() ? " with " : ", ") + arm_.joints[j].name + one;
   }
   char gap[120];
-  std::snprintf(gap, sizeof gap, "%.3g m", apart[worst].distance);
+  std::snprintf(gap, sizeof gap, "%.3g m", misclosures[worst].distance);
   std::string text = gap;
-  if (apart[worst].angle > 1e-6) {
-    std::snprintf(gap, sizeof gap, " and %.3g rad", apart[worst].angle);
+  if (misclosures[worst].angle > 1e-6) {
+    std::snprintf(gap, sizeof gap, " and %.3g rad", misclosures[worst].angle);
     text += gap;
   }
   throw InvalidParameter("closure '" + closures_.name(worst) + "' cannot be closed" + held + ": " + text +

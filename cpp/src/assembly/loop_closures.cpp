@@ -34,16 +34,16 @@ void LoopClosuresIn<D>::leave_out(const MatrixXd& N) {
 }
 
 template <int D>
-VectorXd LoopClosuresIn<D>::gap(const Frames& frames) const {
+VectorXd LoopClosuresIn<D>::residual(const Frames& frames) const {
   VectorXd g(conditions());
   for (std::size_t k = 0; k < closures_.size(); ++k) {
     const Closure& closure = closures_[k];
     if (slides_[k]) {
-      g.segment<D - 1>(first_[k]) = slides_[k]->gap(frames);
+      g.segment<D - 1>(first_[k]) = slides_[k]->residual(frames);
       continue;
     }
     g.segment(first_[k], closure.size()) =
-        closure.gap(frame(frames, closure.node_a()), frame(frames, closure.node_b()));
+        closure.residual(frame(frames, closure.node_a()), frame(frames, closure.node_b()));
   }
   return g;
 }
@@ -51,7 +51,7 @@ VectorXd LoopClosuresIn<D>::gap(const Frames& frames) const {
 template <int D>
 double LoopClosuresIn<D>::unmet(const Frames& frames) const {
   if (redundant() == 0) return 0;
-  const VectorXd g = gap(frames);
+  const VectorXd g = residual(frames);
   return (g - P_ * (P_.transpose() * g)).lpNorm<Eigen::Infinity>();
 }
 
@@ -97,14 +97,14 @@ VectorXd LoopClosuresIn<D>::add_forces(const Frames& frames, const Eigen::Ref<co
       const std::array<int, 3> nodes = slide->nodes(slide->touched(frames));
       for (int i = 0; i < 3; ++i)
         if (nodes[i] >= 0) r.segment<n>(n * nodes[i]) += f.template segment<n>(n * i);
-      g.segment<D - 1>(first_[k]) = slide->gap(frames);
+      g.segment<D - 1>(first_[k]) = slide->residual(frames);
       continue;
     }
     const int a = closure.node_a(), b = closure.node_b();
     const auto now = closure.respond(frame(frames, a), frame(frames, b), lambda);
     if (a >= 0) r.segment<n>(n * a) += now.a;
     if (b >= 0) r.segment<n>(n * b) += now.b;
-    g.segment(first_[k], closure.size()) = now.gap;
+    g.segment(first_[k], closure.size()) = now.residual;
   }
   return redundant() == 0 ? g : P_.transpose() * g;
 }

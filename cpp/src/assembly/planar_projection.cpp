@@ -181,7 +181,7 @@ class Projection {
         return node < 0 ? flat_->base_ : flat_->axes_[node];
       };
       const PlaneAxes &at_a = side(closure.node_a()), &at_b = side(closure.node_b());
-      auto part = closure.within(at_a, at_b);
+      auto part = closure.planar_part(at_a, at_b);
       if (!part) return refuse(name + " ties what lies across the plane to what lies within");
       const auto beside = [&](int node, const Vector3d& x) {
         return node < 0 || node == system_.pedestal().node ? 0.0 : std::abs(side(node).normal().dot(x));

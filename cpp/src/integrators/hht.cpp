@@ -48,7 +48,8 @@ bool HhtStepperIn<D>::step(StateIn<D>& state, double h, const Drives& drives) {
     state.t += h;
     const bool regular = factor(state, h);
     iteration_ = 0;
-    if (!regular) system_.evaluate(state, loads_, r_, phi_, solver_.welds().joints());  // for the message
+    if (!regular)
+      system_.evaluate(state, loads_, r_, phi_, solver_.condensation().joints());  // for the message
     state.t = t;
     if (!regular) return false;
   }
@@ -64,7 +65,7 @@ bool HhtStepperIn<D>::step(StateIn<D>& state, double h, const Drives& drives) {
   }
   remember_laws(system_, state);
   ++statistics_.steps;
-  if (follower_) follower_(before_, state, exponent_, h, loads_);
+  if (observer_) observer_(before_, state, exponent_, h, loads_);
   ++memory_.steps;
   return true;
 }
@@ -120,8 +121,8 @@ void HhtStepperIn<D>::correct(StateIn<D>& state, const VectorXd& delta, double h
 /// Nodes and free scalar coordinates of state 1 from the exponent, eq. (3).
 template <int D>
 void HhtStepperIn<D>::place(StateIn<D>& state) const {
-  move_nodes<D>(solver_.welds().carriers(), before_.frames, exponent_, state.frames);
-  solver_.welds().place(state.frames);
+  move_nodes<D>(solver_.condensation().carriers(), before_.frames, exponent_, state.frames);
+  solver_.condensation().place(state.frames);
   const int n_free_scalars = system_.n_free() - system_.scalar_offset();
   state.s.head(n_free_scalars) = before_.s.head(n_free_scalars) + exponent_.tail(n_free_scalars);
 }
@@ -131,7 +132,7 @@ bool HhtStepperIn<D>::iterate(StateIn<D>& state, double h) {
   using Verdict = StepIteration::Verdict;
   StepIteration iteration(coefficients_, options_, h, memory_.steps, memory_.contraction);
   for (;;) {
-    system_.evaluate(state, loads_, r_, phi_, solver_.welds().joints());
+    system_.evaluate(state, loads_, r_, phi_, solver_.condensation().joints());
     const VectorXd& delta = solver_.solve(state, r_, phi_, h, iteration.again());  // eq. (5)
     ++statistics_.iterations;
     iteration_ = iteration.increments() + 1;

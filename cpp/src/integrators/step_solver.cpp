@@ -12,10 +12,10 @@ StepSolverIn<D>::StepSolverIn(const SystemIn<D>& system, const HhtCoefficients& 
       reproducible_(options.reproducible),
       scale_(constraint_scale(system)),
       matrix_(system),
-      welds_(system, options.weld),
-      changes_(system, welds_),
+      condensation_(system, options.condense),
+      update_(system, condensation_),
       dx_(system.n_unknowns()),
-      reduced_(welds_.n_unknowns()) {}
+      reduced_(condensation_.n_unknowns()) {}
 
 template <int D>
 bool StepSolverIn<D>::factor(const StateIn<D>& state, const LoadsIn<D>& loads, double h) {
@@ -24,12 +24,12 @@ bool StepSolverIn<D>::factor(const StateIn<D>& state, const LoadsIn<D>& loads, d
   if (reproducible_) {  // neither the pattern nor the pivots of earlier numbers
     factored_ = std::make_shared<const LinearisationIn<D>>(state, loads, h);
     matrix_.forget();
-    factor_ = linear_solvers::KeptFactor();
+    factor_ = linear_solvers::CachedFactorisation();
   }
   const Eigen::SparseMatrix<double>* S = matrix_.assemble(state, loads, c, law_tangents);
-  singular_ = S == nullptr || !factor_.factor(welds_.any() ? welds_.reduce(*S) : *S);
+  singular_ = S == nullptr || !factor_.factor(condensation_.any() ? condensation_.reduce(*S) : *S);
   factored_h_ = singular_ ? 0 : h;
-  if (!singular_) changes_.keep(state, c, law_tangents, factor_.by_substitution());
+  if (!singular_) update_.keep(state, c, law_tangents, factor_.by_substitution());
   return !singular_;
 }
 
@@ -52,14 +52,14 @@ const VectorXd& StepSolverIn<D>::solve(const StateIn<D>& state, const VectorXd& 
   const int n = system_.n_free(), n_constraints = system_.n_constraints();
   dx_.head(n) = -r.head(n);
   dx_.tail(n_constraints) = -scale_ / (coefficients_.beta * h * h) * phi;
-  if (welds_.any()) {
-    welds_.fold(dx_, reduced_);
+  if (condensation_.any()) {
+    condensation_.condense(dx_, reduced_);
     factor_.solve(reduced_);
-    changes_.correct(state, reduced_, again);
-    welds_.unfold(reduced_, dx_);
+    update_.correct(state, reduced_, again);
+    condensation_.expand(reduced_, dx_);
   } else {
     factor_.solve(dx_);
-    changes_.correct(state, dx_, again);
+    update_.correct(state, dx_, again);
   }
   dx_.tail(n_constraints) *= scale_ * (1 / (coefficients_.beta * h * h));
   return dx_;

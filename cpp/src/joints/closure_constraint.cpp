@@ -21,38 +21,38 @@ ClosureConstraintIn<D>::ClosureConstraintIn(ClosureType type, int node_a, const 
   Vector3d::Index smallest;
   u.cwiseAbs().minCoeff(&smallest);
   const Vector3d e1 = u.cross(Vector3d::Unit(smallest)).normalized(), e2 = u.cross(e1);
-  const auto meet = [&](const Vector3d& e) { conditions_.push_back({false, e, Vector3d::Zero()}); };
-  const auto turn = [&](const Vector3d& e, const Vector3d& w) { conditions_.push_back({true, e, w}); };
+  const auto add_distance = [&](const Vector3d& e) { conditions_.push_back({false, e, Vector3d::Zero()}); };
+  const auto add_angle = [&](const Vector3d& e, const Vector3d& w) { conditions_.push_back({true, e, w}); };
   switch (type) {
     case ClosureType::revolute:
     case ClosureType::spherical:
     case ClosureType::universal:
     case ClosureType::fixed:
-      for (int k = 0; k < 3; ++k) meet(Vector3d::Unit(k));
+      for (int k = 0; k < 3; ++k) add_distance(Vector3d::Unit(k));
       break;
     default:
-      meet(e1);
-      meet(e2);
+      add_distance(e1);
+      add_distance(e2);
   }
   switch (type) {
     case ClosureType::revolute:
     case ClosureType::cylindrical:
-      turn(e1, u);
-      turn(e2, u);
+      add_angle(e1, u);
+      add_angle(e2, u);
       aligned_ = {{u, u}};
       break;
     case ClosureType::universal: {
       const Vector3d v = second_axis - second_axis.dot(u) * u;
       if (!(v.norm() > 1e-6 * second_axis.norm()) || !(second_axis.norm() > 0))
         throw InvalidParameter("the second axis must not run along the first");
-      turn(u, v.normalized());
+      add_angle(u, v.normalized());
       break;
     }
     case ClosureType::fixed:
     case ClosureType::prismatic:
-      turn(e1, e2);
-      turn(e2, u);
-      turn(u, e1);
+      add_angle(e1, e2);
+      add_angle(e2, u);
+      add_angle(u, e1);
       aligned_ = {{e1, e1}, {e2, e2}, {u, u}};
       break;
     default:
@@ -68,7 +68,7 @@ typename ClosureConstraintIn<D>::Placement ClosureConstraintIn<D>::place(const F
 }
 
 template <int D>
-Conditions ClosureConstraintIn<D>::gap(const FrameD& H_a, const FrameD& H_b) const {
+Conditions ClosureConstraintIn<D>::residual(const FrameD& H_a, const FrameD& H_b) const {
   const Placement at = place(H_a, H_b);
   Conditions phi(size());
   for (int i = 0; i < size(); ++i) {
@@ -79,28 +79,28 @@ Conditions ClosureConstraintIn<D>::gap(const FrameD& H_a, const FrameD& H_b) con
 }
 
 template <int D>
-typename ClosureConstraintIn<D>::Apart ClosureConstraintIn<D>::apart(const FrameD& H_a,
-                                                                     const FrameD& H_b) const {
-  const Conditions phi = gap(H_a, H_b);
+typename ClosureConstraintIn<D>::Misclosure ClosureConstraintIn<D>::misclosure(const FrameD& H_a,
+                                                                               const FrameD& H_b) const {
+  const Conditions phi = residual(H_a, H_b);
   double distance = 0, sine = 0;
   for (int i = 0; i < size(); ++i) (conditions_[i].turns ? sine : distance) += phi[i] * phi[i];
   double angle = std::asin(std::min(1.0, std::sqrt(sine) / length_));
-  if (!right_way(H_a, H_b)) angle = std::acos(-1.0) - angle;
+  if (!axes_agree(H_a, H_b)) angle = std::acos(-1.0) - angle;
   return {std::sqrt(distance), angle};
 }
 
 template <int D>
-bool ClosureConstraintIn<D>::right_way(const FrameD& H_a, const FrameD& H_b) const {
+bool ClosureConstraintIn<D>::axes_agree(const FrameD& H_a, const FrameD& H_b) const {
   const Placement at = place(H_a, H_b);
   return std::all_of(aligned_.begin(), aligned_.end(),
                      [&](const auto& pair) { return pair.first.dot(at.R * pair.second) > 0; });
 }
 
 template <int D>
-double ClosureConstraintIn<D>::turn(const FrameD& H_a, const FrameD& H_b) const
+double ClosureConstraintIn<D>::hinge_angle(const FrameD& H_a, const FrameD& H_b) const
   requires(D == 3)
 {
-  const Vector3d &e1 = conditions_[3].e, &e2 = conditions_[4].e;
+  const Vector3d &e1 = conditions_.at(3).e, &e2 = conditions_.at(4).e;  // behind p = 0
   const Vector3d turned = place(H_a, H_b).R * e1;
   return std::atan2(e2.dot(turned), e1.dot(turned));
 }
@@ -147,14 +147,14 @@ typename ClosureConstraintIn<D>::Response ClosureConstraintIn<D>::respond(const 
     const Condition& c = conditions_[i];
     if (!c.turns) {
       force += lambda[i] * c.e;
-      found.gap[i] = c.e.dot(at.p);  // eq. (1)
+      found.residual[i] = c.e.dot(at.p);  // eq. (1)
       continue;
     }
     const PointD Rw = at.R * c.w;
     const double l = length_ * lambda[i];
     found.a.template tail<turns<D>>() += l * moment_of<D>(c.e, Rw);
     found.b.template tail<turns<D>>() += l * moment_of<D>(c.w, at.R.transpose() * c.e);
-    found.gap[i] = length_ * c.e.dot(Rw);  // eq. (2)
+    found.residual[i] = length_ * c.e.dot(Rw);  // eq. (2)
   }
   found.a.template head<D>() = -force;
   found.a.template tail<turns<D>>() += moment_of<D>(force, at.p);  // eq. (3)
@@ -249,8 +249,8 @@ PlaneAxes axes_in(const Frame& X, const PlaneAxes& node) {
 
 /// The e of (1) are orthonormal, and so are the axes e × w of (2) where R = 1 but for a turn about w.
 template <int D>
-auto ClosureConstraintIn<D>::within(const PlaneAxes& at_a, const PlaneAxes& at_b) const
-    -> std::optional<Within>
+auto ClosureConstraintIn<D>::planar_part(const PlaneAxes& at_a, const PlaneAxes& at_b) const
+    -> std::optional<PlanarPart>
   requires(D == 3)
 {
   const PlaneAxes axes_a = axes_in(X_a_, at_a), axes_b = axes_in(X_b_, at_b);
@@ -279,7 +279,8 @@ auto ClosureConstraintIn<D>::within(const PlaneAxes& at_a, const PlaneAxes& at_b
   const Eigen::Matrix2d met = meet.transpose() * meet;
   if (!is_zero_or_one(met.determinant()) || !is_zero_or_one(lock.squaredNorm())) return {};
 
-  Within found{{node_a_, in_plane(X_a_, at_a, axes_a), node_b_, in_plane(X_b_, at_b, axes_b), length_}, {}};
+  PlanarPart found{{node_a_, in_plane(X_a_, at_a, axes_a), node_b_, in_plane(X_b_, at_b, axes_b), length_},
+                   {}};
   const auto add = [&](bool turns, const Vector2d& e_2, const Vector2d& w_2, const Eigen::VectorXd& of) {
     found.closure.conditions_.push_back({turns, e_2, w_2});
     found.combinations.conservativeResize(size(), found.closure.size());

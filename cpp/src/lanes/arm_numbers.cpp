@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "flexarm/integrators/hht_coefficients.hpp"
-#include "flexarm/integrators/tangent_changes.hpp"
-#include "flexarm/linear_solvers/kept_factor.hpp"
+#include "flexarm/integrators/woodbury_update.hpp"
+#include "flexarm/linear_solvers/cached_factorisation.hpp"
 
 namespace flexarm::lanes {
 namespace {
@@ -38,10 +38,10 @@ bool suits(const SystemIn<D>& arm, const LoadsIn<D>& loads, bool consistent) {
   const auto is_ball = [](const auto& joint) { return joint.type() == joints::JointType::spherical; };
   if (std::ranges::any_of(arm.gears(), winds) || std::ranges::any_of(arm.constraints(), is_ball))
     return false;
-  const integrators::WeldsIn<D> welds(arm, true);
-  if (welds.n_unknowns() > linear_solvers::KeptFactor::largest_inverse) return false;
-  return !consistent ||
-         integrators::TangentChangesIn<D>(arm, welds, false, arm.constraints().size()).follows_constraints();
+  const integrators::RigidJointCondensationIn<D> condensation(arm, true);
+  if (condensation.n_unknowns() > linear_solvers::CachedFactorisation::largest_inverse) return false;
+  return !consistent || integrators::WoodburyUpdateIn<D>(arm, condensation, false, arm.constraints().size())
+                            .follows_constraints();
 }
 
 template <int D>
@@ -77,7 +77,8 @@ template <int D>
 ArmNumbersIn<D>::ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms,
                               const std::vector<LoadsIn<D>>& loads, int lanes)
     : lanes_(lanes) {
-  for (const SystemIn<D>* arm : arms) welds_.push_back(std::make_unique<integrators::WeldsIn<D>>(*arm, true));
+  for (const SystemIn<D>* arm : arms)
+    condensation_.push_back(std::make_unique<integrators::RigidJointCondensationIn<D>>(*arm, true));
   place_points(arms);
   for (const SystemIn<D>* arm : arms) {
     for (const auto& beam : arm->beams()) arms_.damped = arms_.damped || beam.damping_time() > 0;
@@ -85,7 +86,7 @@ ArmNumbersIn<D>::ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms,
   lay_out(*arms.front());
   unknowns_.resize(static_cast<std::size_t>(arms_.n_reduced));
   for (int k = 0; k < arms.front()->n_unknowns(); ++k) {
-    const int row = welds_.front()->row(k);
+    const int row = condensation_.front()->row(k);
     if (row >= 0) unknowns_[static_cast<std::size_t>(row)] = k;
   }
   std::vector<int> as_they_are(unknowns_.size());
@@ -117,18 +118,19 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
   constexpr int n = geometry::freedoms<D>;
   for (const auto& beam : arm.beams()) beam_nodes_.insert(beam_nodes_.end(), {beam.node1(), beam.node2()});
   for (const auto& body : arm.bodies()) body_nodes_.push_back(body.node());
-  const integrators::WeldsIn<D>& welds = *welds_.front();
+  const integrators::RigidJointCondensationIn<D>& condensation = *condensation_.front();
   int row = 0;
   for (std::size_t k = 0; k < arm.constraints().size(); ++k) {
     const auto& joint = arm.constraints()[k];
-    const bool folded = !welds.joints().empty() && welds.joints()[k];
+    const bool folded = !condensation.joints().empty() && condensation.joints()[k];
     joints_.push_back({joint.node_a(), joint.node_b(), joint.coordinate(), row, folded});
     row += joint.rows();
   }
   for (const auto& gear : arm.gears()) gears_.push_back({gear.input, gear.output, row++, false});
   for (const auto& law : arm.laws()) laws_.push_back({law.plus, law.minus, has_three_numbers(law)});
-  carriers_ = welds.carriers();
-  for (const auto& follower : welds.followers()) followers_.push_back({follower.node, follower.carrier});
+  carriers_ = condensation.carriers();
+  for (const auto& follower : condensation.followers())
+    followers_.push_back({follower.node, follower.carrier});
   for (std::size_t j = 0; j < arm.joints().size(); ++j) {
     const auto& at = arm.joints()[j];
     if (at.theta >= 0) outputs_.push_back({at.theta, at.phi, static_cast<int>(j)});
@@ -167,7 +169,7 @@ void ArmNumbersIn<D>::lay_out(const SystemIn<D>& arm) {
            .follower_frames = room(follower_frames_, 2 * frame_rows<D> * count(followers_)),
            .reach = room(reach_, 1),
            .mass_scale = room(mass_scale_, 1),
-           .n_reduced = welds.n_unknowns(),
+           .n_reduced = condensation.n_unknowns(),
            .n_parts = 0,
            .n_separated = 0,
            .order = nullptr,
@@ -231,8 +233,8 @@ void ArmNumbersIn<D>::fill(int lane, const SystemIn<D>& arm, const LoadsIn<D>& l
   }
   for (int k = 0; k < arm.n_scalars(); ++k) scalar_inertia_(k, lane) = arm.scalar_inertia()[k];
   row = 0;
-  const std::size_t which = lane < count(welds_) ? static_cast<std::size_t>(lane) : 0;
-  for (const auto& follower : welds_[which]->followers()) {
+  const std::size_t which = lane < count(condensation_) ? static_cast<std::size_t>(lane) : 0;
+  for (const auto& follower : condensation_[which]->followers()) {
     row = put_frame(follower_frames_, row, lane, follower.X);
     row = put_frame(follower_frames_, row, lane, follower.X_inverse);
   }
@@ -329,12 +331,12 @@ bool ArmNumbersIn<D>::set_inverse(int lane, const linear_solvers::DissectedInver
 }
 
 template <int D>
-void ArmNumbersIn<D>::set_turns(int lane, const Changes& changes) {
+void ArmNumbersIn<D>::set_turns(int lane, const Update& update) {
   if (arms_.turns.n_joints == 0) {
-    turns_ = TurnNumbersIn<D>(changes, unknowns_, arms_.n_reduced, lanes_);
+    turns_ = TurnNumbersIn<D>(update, unknowns_, arms_.n_reduced, lanes_);
     arms_.turns = turns_.turns();
   }
-  turns_.set(lane, changes, changes.W()(cut_order_, Eigen::all));
+  turns_.set(lane, update, update.W()(cut_order_, Eigen::all));
 }
 
 template <int D>
@@ -348,19 +350,19 @@ void ArmNumbersIn<D>::set_by_forces(int lane, const MatrixXd& W) {
 }
 
 template <int D>
-void ArmNumbersIn<D>::set_consistent(int lane, const MatrixXd& change, const Changes& changes,
+void ArmNumbersIn<D>::set_consistent(int lane, const MatrixXd& change, const Update& update,
                                      const MatrixXd& W) {
   if (arms_.consistent == nullptr) {
     consistent_ = Rows(static_cast<int>(change.size()), lanes_);
     arms_.consistent = consistent_.data();
-    std::vector<int> all(static_cast<std::size_t>(changes.system().n_unknowns()));
+    std::vector<int> all(static_cast<std::size_t>(update.system().n_unknowns()));
     std::iota(all.begin(), all.end(), 0);
-    consistent_turns_ = TurnNumbersIn<D>(changes, all, static_cast<int>(W.rows()), lanes_);
+    consistent_turns_ = TurnNumbersIn<D>(update, all, static_cast<int>(W.rows()), lanes_);
     arms_.consistent_turns = consistent_turns_.turns();
   }
   consistent_.put_blocks(0, lane, change, 0, static_cast<int>(change.rows()),
                          static_cast<int>(change.cols()));
-  consistent_turns_.set(lane, changes, W);
+  consistent_turns_.set(lane, update, W);
 }
 
 template bool suits<2>(const SystemIn<2>&, const LoadsIn<2>&, bool);

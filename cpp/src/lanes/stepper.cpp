@@ -47,7 +47,7 @@ StepperIn<D>::StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D
   sizes_ = Rows(1, lanes);
   for (std::size_t k = 0; k < arms.size(); ++k) {
     lane_.push_back({arms[k], loads[k], states[k], assembly::IterationMatrixIn<D>(*arms[k]),
-                     integrators::TangentChangesIn<D>(*arms[k], numbers_.welds(static_cast<int>(k)))});
+                     integrators::WoodburyUpdateIn<D>(*arms[k], numbers_.condensation(static_cast<int>(k)))});
   }
   for (int lane = 0; lane < lanes; ++lane) {
     put(lane, states[lane < static_cast<int>(states.size()) ? static_cast<std::size_t>(lane) : 0]);
@@ -61,7 +61,7 @@ StepperIn<D>::StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D
     take_scalars(lane);
     find_law_forces(lane);
   }
-  if (!own_laws_.empty()) forces_ = Rows(static_cast<int>(lane_.front().changes.W().cols()), lanes);
+  if (!own_laws_.empty()) forces_ = Rows(static_cast<int>(lane_.front().update.W().cols()), lanes);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(all.n_scalars);
   drive_ = {zero, zero, zero, zero};
 }
@@ -135,14 +135,14 @@ void StepperIn<D>::put_unknowns(int lane, const Eigen::VectorXd& x) {
 template <int D>
 void StepperIn<D>::find_forces(int lane, bool again) {
   Lane& own = lane_[static_cast<std::size_t>(lane)];
-  if (!own.changes.prepare(own.now, again)) {
-    forces_.put(0, lane, Eigen::VectorXd::Zero(own.changes.W().cols()));
+  if (!own.update.prepare(own.now, again)) {
+    forces_.put(0, lane, Eigen::VectorXd::Zero(own.update.W().cols()));
     return;
   }
   const std::vector<int>& unknowns = numbers_.unknowns();
-  along_.resize(own.changes.W().cols());
-  own.changes.find_along([&](int row) { return dx_(unknowns[static_cast<std::size_t>(row)], lane); }, along_);
-  forces_.put(0, lane, own.changes.forces(own.now, along_));
+  along_.resize(own.update.W().cols());
+  own.update.find_along([&](int row) { return dx_(unknowns[static_cast<std::size_t>(row)], lane); }, along_);
+  forces_.put(0, lane, own.update.forces(own.now, along_));
 }
 
 /// Increments of all lanes, as the matrices that were factored make them.
@@ -172,7 +172,7 @@ StateIn<D> StepperIn<D>::final_state(int lane) const {
   if (own_laws_.empty()) integrators::remember_laws(*lane_[static_cast<std::size_t>(lane)].arm, found);
   LoadsIn<D> loads = lane_[static_cast<std::size_t>(lane)].loads;
   loads.torques = drive_.torques;
-  numbers_.welds(lane).find_forces(found, loads);
+  numbers_.condensation(lane).recover_multipliers(found, loads);
   return found;
 }
 
@@ -190,14 +190,14 @@ bool StepperIn<D>::factor(int lane, double h) {
   ++own.statistics.factorisations;
   const auto* S = own.matrix.assemble(here, own.loads, c, law_tangents);
   if (S == nullptr) return false;
-  const auto& welds = numbers_.welds(lane);
-  auto factor = std::make_unique<linear_solvers::KeptFactor>();
-  if (!factor->factor(welds.any() ? welds.reduce(*S) : *S)) return false;
-  own.changes.keep(here, c, law_tangents, factor->by_substitution());
+  const auto& condensation = numbers_.condensation(lane);
+  auto factor = std::make_unique<linear_solvers::CachedFactorisation>();
+  if (!factor->factor(condensation.any() ? condensation.reduce(*S) : *S)) return false;
+  own.update.keep(here, c, law_tangents, factor->by_substitution());
   const bool with_others = numbers_.set_inverse(lane, factor->inverse());
   own.own_factor = with_others ? nullptr : std::move(factor);
-  if (turns_together()) numbers_.set_turns(lane, own.changes);
-  if (!own_laws_.empty()) numbers_.set_by_forces(lane, own.changes.W());
+  if (turns_together()) numbers_.set_turns(lane, own.update);
+  if (!own_laws_.empty()) numbers_.set_by_forces(lane, own.update.W());
   return true;
 }
 

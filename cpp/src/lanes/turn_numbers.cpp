@@ -3,11 +3,11 @@
 namespace flexarm::lanes {
 
 template <int D>
-TurnNumbersIn<D>::TurnNumbersIn(const Changes& changes, const std::vector<int>& unknowns, int n_rows,
+TurnNumbersIn<D>::TurnNumbersIn(const Update& update, const std::vector<int>& unknowns, int n_rows,
                                 int lanes) {
-  constexpr int n = Changes::n, across = Changes::across, rows = Changes::rows;
-  for (const auto& joint : changes.joints()) {
-    const auto& constraint = changes.system().constraints()[static_cast<std::size_t>(joint.constraint)];
+  constexpr int n = Update::n, across = Update::across, rows = Update::rows;
+  for (const auto& joint : update.joints()) {
+    const auto& constraint = update.system().constraints()[static_cast<std::size_t>(joint.constraint)];
     joints_.push_back({constraint.coordinate(), unknowns[static_cast<std::size_t>(joint.node_row)],
                        unknowns[static_cast<std::size_t>(joint.first_row)],
                        constraint.type() == joints::JointType::prismatic});
@@ -31,18 +31,18 @@ TurnNumbersIn<D>::TurnNumbersIn(const Changes& changes, const std::vector<int>& 
 }
 
 template <int D>
-void TurnNumbersIn<D>::set(int lane, const Changes& changes, const Eigen::MatrixXd& W) {
+void TurnNumbersIn<D>::set(int lane, const Update& update, const Eigen::MatrixXd& W) {
   const int m = turns_.n_columns;
-  scale_(0, lane) = changes.scale();
+  scale_(0, lane) = update.scale();
   int row = 0;
-  for (const auto& joint : changes.joints()) {
+  for (const auto& joint : update.joints()) {
     row = numbers_.put(row, lane, joint.kept);
     row = numbers_.put(row, lane,
-                       changes.system().constraints()[static_cast<std::size_t>(joint.constraint)].twist());
+                       update.system().constraints()[static_cast<std::size_t>(joint.constraint)].twist());
     row = numbers_.put(row, lane, joint.on_parent);
     row = numbers_.put(row, lane, joint.P);
   }
-  G_.put(0, lane, changes.G().topLeftCorner(m, m));
+  G_.put(0, lane, update.G().topLeftCorner(m, m));
   W_.put_blocks(0, lane, W, 0, turns_.n_rows, m);
 }
 

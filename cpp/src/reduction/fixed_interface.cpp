@@ -70,7 +70,7 @@ FixedInterface::FixedInterface(const LowerTriangle& K, const Coordinates& coordi
       factor_(factor_inner(K, inner_, coordinates)),
       Wt_(maps.average) {
   R_.resize(K.rows(), 0);
-  if (support.floating) R_ = rigid_motion(coordinates, support);
+  if (support.floating) R_ = scaled_rigid_motion(coordinates, support);
   border(interfaces);
 }
 

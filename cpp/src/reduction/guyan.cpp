@@ -10,14 +10,14 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using linear_solvers::LowerTriangle;
 
-/// One for translations, `length` for rotations: freedoms of equal unit.
+/// Factors that give freedoms one unit: 1 for translations, `length` for rotations.
 VectorXd equal_units(Index n_freedoms, double length) {
   VectorXd scale(n_freedoms);
   for (Index k = 0; k < n_freedoms; ++k) scale[k] = k % 6 < 3 ? 1 : length;
   return scale;
 }
 
-/// Orthonormal basis of R̂ in freedoms of equal unit.
+/// Orthonormal basis of R̂, rotations multiplied by the length of the support.
 MatrixXd rigid_basis(const std::vector<Interface>& interfaces, const Support& support) {
   const MatrixXd R = rigid_motion(interfaces, support.centre);
   return dense::orthonormal(equal_units(R.rows(), support.length).asDiagonal() * R);
@@ -30,7 +30,7 @@ void restore_rigid_motion(MatrixXd& Psi, const Coordinates& coordinates,
   const MatrixXd R_hat =
       rigid_motion(interfaces, support.centre) * equal_units(6, support.length).cwiseInverse().asDiagonal();
   const MatrixXd inverse = dense::least_squares(scale.asDiagonal() * R_hat, scale.asDiagonal());
-  Psi += (rigid_motion(coordinates, support) - Psi * R_hat) * inverse;
+  Psi += (scaled_rigid_motion(coordinates, support) - Psi * R_hat) * inverse;
 }
 
 }  // namespace

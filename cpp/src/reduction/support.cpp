@@ -69,7 +69,7 @@ void check_interfaces_used(const std::vector<Interface>& interfaces, const std::
 /// Eq. (1), row by row.
 void check_free(const LowerTriangle& K, const Coordinates& coordinates, const Support& support) {
   const VectorXd left =
-      linear_solvers::multiply(K, rigid_motion(coordinates, support)).cwiseAbs().rowwise().maxCoeff();
+      linear_solvers::multiply(K, scaled_rigid_motion(coordinates, support)).cwiseAbs().rowwise().maxCoeff();
   const VectorXd own = linear_solvers::diagonal(K);
   Index worst = 0;
   const double part = left.cwiseQuotient(own.cwiseMax(1e-300)).maxCoeff(&worst);
@@ -175,7 +175,7 @@ void measure(const Coordinates& coordinates, Support& support) {
 
 }  // namespace
 
-MatrixXd rigid_motion(const Coordinates& coordinates, const Support& support) {
+MatrixXd scaled_rigid_motion(const Coordinates& coordinates, const Support& support) {
   MatrixXd R = rigid_motion(coordinates, support.centre);
   R.rightCols<3>() /= support.length;
   for (Index k = 0; k < coordinates.rows(); ++k) {

@@ -32,8 +32,8 @@ DerivativeRecorderIn<D>::DerivativeRecorderIn(const SystemIn<D>& system, const I
       options_(without_energies(options)),
       out_(out),
       points_(system, space, varied_),
-      joints_(system, models_of(varied_)),
-      forces_(system, models_of(varied_)) {
+      joints_(system, variations_of(varied_)),
+      forces_(system, variations_of(varied_)) {
   Transient one;
   RecorderIn<D>(system, options_, 1, one, space);  // how many rows there are
   out.time.resize(n);
@@ -72,12 +72,12 @@ void DerivativeRecorderIn<D>::forces(Eigen::Index k, const StateIn<D>& state,
       recorder.write(0, moved(system_, state, derivative, column, amount), loads);
       return at;
     };
-    const Transient up = outputs(*varied.models.plus, varied.plus, varied.models.up);
-    const Transient down = outputs(*varied.models.minus, varied.minus, varied.models.down);
+    const Transient up = outputs(*varied.variation.plus, varied.plus, varied.variation.up);
+    const Transient down = outputs(*varied.variation.minus, varied.minus, varied.variation.down);
     for (const auto member : {&Transient::section_forces, &Transient::base_wrench}) {
       const Eigen::Index rows = (up.*member).rows();
       Eigen::Map<Slopes>((out_.*member).col(k).data(), rows, derivative.size()).col(column) =
-          ((up.*member).col(0) - (down.*member).col(0)) / varied.models.spread();
+          ((up.*member).col(0) - (down.*member).col(0)) / varied.variation.spread();
     }
   }
 }

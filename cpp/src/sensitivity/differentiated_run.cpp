@@ -15,13 +15,13 @@ using namespace simulation;
 using assembly::PlanarSystem;
 using integrators::HhtCoefficients;
 
-/// A run and its derivatives, seen in the plane: the models of every parameter move in it too.
+/// A run and its derivatives in the plane, with the models of every parameter.
 struct InPlane {
   std::unique_ptr<PlanarSystem> system;
   std::vector<std::unique_ptr<PlanarSystem>> models;  // plus and minus of each variation
 };
 
-/// Nothing if the arm, or one of the models beside it, leaves the plane or has other axes in it.
+/// Null if the arm, or the perturbed model of a parameter, leaves the plane or has other axes in it.
 std::unique_ptr<InPlane> in_plane(const System& system, const Equilibrium& equilibrium,
                                   const std::vector<Variation>& variations, const TransientOptions& options) {
   if (options.dimension == Dimension::space) return nullptr;
@@ -35,18 +35,18 @@ std::unique_ptr<InPlane> in_plane(const System& system, const Equilibrium& equil
   for (const Variation& p : variations) {
     for (const auto* model : {p.plus, p.minus}) {
       if (!found->system) break;
-      auto beside = of(static_cast<const System&>(*model));  // in space all systems are
-      if (!beside.system || !beside.system->same_coordinates(*found->system)) {
-        obstacle = "with a parameter a little changed it leaves it. " + beside.obstacle;
+      auto perturbed = of(static_cast<const System&>(*model));  // in space all systems are
+      if (!perturbed.system || !perturbed.system->same_coordinates(*found->system)) {
+        obstacle = "with a parameter a little changed it leaves it. " + perturbed.obstacle;
         found->system.reset();
         break;
       }
-      if (p.drive_plus && beside.system->n_scalars() != system.n_scalars()) {
+      if (p.drive_plus && perturbed.system->n_scalars() != system.n_scalars()) {
         obstacle = "its drives count coordinates of space";
         found->system.reset();
         break;
       }
-      found->models.push_back(std::move(beside.system));
+      found->models.push_back(std::move(perturbed.system));
     }
   }
   if (found->system) return found;
@@ -78,9 +78,9 @@ StateDerivative part(const PlanarSystem& plane, const State& state, const StateD
   return flat;
 }
 
-/// The two that walk along with a run.
+/// The observer of a run that carries its sensitivities along and records them.
 template <int D>
-CompanionIn<D> companion(SensitivitiesIn<D>& sensitivities, DerivativeRecorderIn<D>& recorder) {
+RunObserverIn<D> observer(SensitivitiesIn<D>& sensitivities, DerivativeRecorderIn<D>& recorder) {
   using State = assembly::StateIn<D>;
   using Loads = assembly::LoadsIn<D>;
   return {[&](const State& before, const State& after, const VectorXd& exponent, double h,
@@ -110,19 +110,19 @@ DifferentiatedRun simulate(const System& system, const Equilibrium& at_rest,
       varied.push_back(
           {{&plus, &minus, p.up, p.down, p.drive_plus, p.drive_minus}, InSpace<2>(plus), InSpace<2>(minus)});
     }
-    SensitivitiesIn<2> sensitivities(*plane->system, coefficients, models_of(varied),
+    SensitivitiesIn<2> sensitivities(*plane->system, coefficients, variations_of(varied),
                                      part(*plane->system, equilibrium.state, initial));
     DerivativeRecorderIn<2> recorder(*plane->system, InSpace<2>(*plane->system), varied, options, n,
                                      result.derivatives);
     result.run = simulate_in_plane(*plane->system, equilibrium, drives, options, progress,
-                                   companion(sensitivities, recorder));
+                                   observer(sensitivities, recorder));
   } else {
     std::vector<VariedInSpace<3>> varied;
     for (const Variation& p : variations) varied.push_back({p, {}, {}});
     SensitivitiesIn<3> sensitivities(system, coefficients, variations, std::move(initial));
     DerivativeRecorderIn<3> recorder(system, {}, varied, options, n, result.derivatives);
     result.run =
-        simulate_in_space(system, equilibrium, drives, options, progress, companion(sensitivities, recorder));
+        simulate_in_space(system, equilibrium, drives, options, progress, observer(sensitivities, recorder));
   }
   result.derivatives.finish(result.run.time.size());
   return result;

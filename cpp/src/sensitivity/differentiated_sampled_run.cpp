@@ -33,12 +33,12 @@ DifferentiatedSampledRun::DifferentiatedSampledRun(const System& system, const E
       recorder_(system, {}, in_space(variations), readable(options),
                 number_of_steps(system.joints().size(), drives, options) + 1, columns_),
       torques_(Slopes::Zero(system.n_scalars(), static_cast<Eigen::Index>(variations.size()))) {
-  run_.accompany({[this](const State& before, const State& after, const VectorXd& exponent, double h,
-                         const Loads& loads) { sensitivities_.follow(before, after, exponent, h, loads); },
-                  [this](Eigen::Index k, const State& state, const Loads& loads) {
-                    recorder_.record(k, state, sensitivities_.derivative(), loads);
-                    k_ = k;
-                  }});
+  run_.observe({[this](const State& before, const State& after, const VectorXd& exponent, double h,
+                       const Loads& loads) { sensitivities_.follow(before, after, exponent, h, loads); },
+                [this](Eigen::Index k, const State& state, const Loads& loads) {
+                  recorder_.record(k, state, sensitivities_.derivative(), loads);
+                  k_ = k;
+                }});
 }
 
 void DifferentiatedSampledRun::advance(const VectorXd& motor_torque, const Slopes& torque_slopes,

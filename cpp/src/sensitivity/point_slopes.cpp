@@ -24,7 +24,8 @@ Eigen::Matrix<double, 3, D> to_space(const InSpace<D>& space, const Rotation<D>&
   return E;
 }
 
-/// How a section's velocity changes with the strain of its element at fixed velocities of the ends.
+/// Derivative of a section's velocity with respect to the strain of its element, at fixed velocities of the
+/// ends.
 template <int D>
 TwistMatrix<D> velocity_by_strain(const elements::BeamElementIn<D>& beam, const Twist<D>& d,
                                   const Twist<D>& v1, const Twist<D>& v2, double xi) {
@@ -53,10 +54,10 @@ PointSlopesIn<D>::PointSlopesIn(const SystemIn<D>& system, const InSpace<D>& spa
   }
 }
 
-/// Whether the point's place on its link is another one in the two models.
+/// True if the point's place on its link differs between the two models.
 template <int D>
 bool PointSlopesIn<D>::moves(int point, const VariedInSpace<D>& varied) const {
-  const SystemIn<D>&plus = *varied.models.plus, &minus = *varied.models.minus;
+  const SystemIn<D>&plus = *varied.variation.plus, &minus = *varied.variation.minus;
   const auto &up = plus.points()[point], &down = minus.points()[point];
   if (!(up == down)) return true;
   if (up.element >= 0 && !plus.beams()[up.element].same_shape(minus.beams()[down.element])) return true;
@@ -133,13 +134,13 @@ void PointSlopesIn<D>::record(Eigen::Index k, const TransientOptions& options, c
   for (const Moving& moving : moving_) add(moving, k, options, state, out);
 }
 
-/// What the two models of a parameter make of the same state.
+/// Adds the difference of a parameter's two models in the same state.
 template <int D>
 void PointSlopesIn<D>::add(const Moving& moving, Eigen::Index k, const TransientOptions& options,
                            const StateIn<D>& state, Transient& out) const {
-  const auto [i, column, models] = moving;
+  const auto [i, column, varied] = moving;
   const auto m = static_cast<Eigen::Index>(varied_.size());
-  const double per_spread = 1 / models->models.spread();
+  const double per_spread = 1 / varied->variation.spread();
   const auto add_one = [&](const SystemIn<D>& system, const InSpace<D>& space, double sign) {
     const FrameIn<D> H = system.point_frame(state, i);
     const Twist<D> v = system.point_velocity(state, i);
@@ -156,8 +157,8 @@ void PointSlopesIn<D>::add(const Moving& moving, Eigen::Index k, const Transient
     rows_of(out.angular_rate, k, 3 * i, 3, m).col(column) +=
         sign * per_spread * space.spin_at_point(i, v.template tail<turns<D>>());
   };
-  add_one(*models->models.plus, models->plus, 1);
-  add_one(*models->models.minus, models->minus, -1);
+  add_one(*varied->variation.plus, varied->plus, 1);
+  add_one(*varied->variation.minus, varied->minus, -1);
 }
 
 template class PointSlopesIn<2>;

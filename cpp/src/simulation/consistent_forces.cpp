@@ -31,7 +31,7 @@ ConsistentForcesIn<D>::ConsistentForcesIn(const assembly::SystemIn<D>& system, s
       scale_(integrators::constraint_scale(system)),
       matrix_(system),
       none_(system, false),
-      changes_(system, none_, false, most_joints),
+      update_(system, none_, false, most_joints),
       c_(system.n_constraints()),
       change_(VectorXd::Zero(system.n_unknowns())),
       r_(system.n_velocities()),
@@ -63,7 +63,7 @@ void ConsistentForcesIn<D>::factor(const assembly::StateIn<D>& state) {
                        0);
   }
   const VectorXd no_laws = system_.no_law_tangents();
-  changes_.keep(state, {1, 0, 0, scale_}, no_laws, kept_.by_substitution());
+  update_.keep(state, {1, 0, 0, scale_}, no_laws, kept_.by_substitution());
   if (kept_.inverse() == nullptr) return;
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(system_.n_unknowns(), system_.n_constraints());
   columns.bottomRows(columns.cols()).diagonal().setConstant(-scale_);
@@ -76,7 +76,7 @@ void ConsistentForcesIn<D>::factor(const assembly::StateIn<D>& state) {
 template <int D>
 void ConsistentForcesIn<D>::substitute(const assembly::StateIn<D>& state, VectorXd& x, bool again) {
   kept_.solve(x);
-  changes_.correct(state, x, again);
+  update_.correct(state, x, again);
 }
 
 /// `product` := A x. Accelerations of the constraints are linear where `still` does not move.
@@ -118,7 +118,7 @@ bool ConsistentForcesIn<D>::refine(const assembly::StateIn<D>& state, const Vect
 template <int D>
 void ConsistentForcesIn<D>::solve(const assembly::StateIn<D>& state, VectorXd& x) {
   if (!factored_) factor(state);
-  if (changes_.follows_constraints()) {
+  if (update_.follows_constraints()) {
     substitute(state, x);
     return;
   }
@@ -135,7 +135,7 @@ template <int D>
 void ConsistentForcesIn<D>::find_sides(const assembly::StateIn<D>& state, const assembly::LoadsIn<D>* loads) {
   change_.setZero();
   change_.tail(c_.size()) = -scale_ * c_;
-  if (loads == nullptr || changes_.follows_constraints()) return;
+  if (loads == nullptr || update_.follows_constraints()) return;
   system_.evaluate(state, *loads, r_, phi_);
   change_.head(system_.n_free()) = -r_.head(system_.n_free());
 }
@@ -149,10 +149,10 @@ const assembly::StateIn<D>& ConsistentForcesIn<D>::of(const assembly::StateIn<D>
     return state;  // at rest
   }
   if (!factored_) factor(state);
-  if (changes_.follows_constraints() && by_constraints_.cols() > 0) {
+  if (update_.follows_constraints() && by_constraints_.cols() > 0) {
     by_constraints_.multiply(c_.data(), padded_.data());
     change_ = padded_.head(change_.size());
-    changes_.correct(state, change_);
+    update_.correct(state, change_);
   } else {
     find_sides(state, loads);
     solve(state, change_);  // eq. (2)

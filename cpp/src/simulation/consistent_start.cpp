@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "flexarm/linear_solvers/kept_factor.hpp"
+#include "flexarm/linear_solvers/cached_factorisation.hpp"
 #include "flexarm/simulation/consistent_forces.hpp"
 
 namespace flexarm::simulation {
@@ -69,7 +69,7 @@ class MassesAndConstraints {
   Eigen::SparseMatrix<double> A_;
   std::vector<int> massless_;
   double added_ = 0;
-  linear_solvers::KeptFactor factor_;
+  linear_solvers::CachedFactorisation factor_;
   bool regular_ = false;
 };
 

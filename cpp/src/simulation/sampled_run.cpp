@@ -58,10 +58,10 @@ SampledRun::SampledRun(const System& system, const Equilibrium& equilibrium,
   recorder_.record(0, state_, equilibrium.loads);
 }
 
-void SampledRun::accompany(CompanionIn<3> companion) {
-  companion_ = std::move(companion);
-  stepper_.follow_with(companion_.step);
-  companion_.record(k_, state_, stepper_.loads());
+void SampledRun::observe(RunObserverIn<3> observer) {
+  observer_ = std::move(observer);
+  stepper_.observe_with(observer_.step);
+  observer_.record(k_, state_, stepper_.loads());
 }
 
 void SampledRun::hold(const Eigen::VectorXd& motor_torque) {
@@ -108,7 +108,7 @@ void SampledRun::advance(const Eigen::VectorXd& motor_torque, int n_steps) {
     state_.t = options_.start + static_cast<double>(++k_) * options_.step;  // no drift from adding up
     system_.closures().check(state_.frames, system_.reach(), state_.t);
     recorder_.record(k_, state_, stepper_.loads());
-    if (companion_.record) companion_.record(k_, state_, stepper_.loads());
+    if (observer_.record) observer_.record(k_, state_, stepper_.loads());
   }
 }
 

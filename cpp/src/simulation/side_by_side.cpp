@@ -79,18 +79,18 @@ void make_consistent(const Placed<D>& arm, int lane, lanes::StepperIn<D>& steppe
   const Eigen::Index m = system.n_constraints(), n_free = system.n_free(), first = system.scalar_offset();
   const Eigen::Index n_changed = n_free - first + m;
   ConsistentForcesIn<D> forces(system, system.constraints().size());
-  const auto& changes = forces.changes();
-  MatrixXd change(n_changed + changes.W().cols(), m);
+  const auto& update = forces.update();
+  MatrixXd change(n_changed + update.W().cols(), m);
   for (Eigen::Index k = 0; k < m; ++k) {
     VectorXd x = VectorXd::Zero(system.n_unknowns());
     x[n_free + k] = -forces.scale();
     forces.solve(arm.state, x);
-    change.col(k) << x.tail(n_changed), changes.along(x);
+    change.col(k) << x.tail(n_changed), update.along(x);
   }
-  MatrixXd W = changes.W().bottomRows(n_changed);
+  MatrixXd W = update.W().bottomRows(n_changed);
   change.middleRows(n_free - first, m) *= forces.scale();
   W.bottomRows(m) *= forces.scale();
-  stepper.set_consistent(lane, change, changes, W);
+  stepper.set_consistent(lane, change, update, W);
 }
 
 /// Runs of up to as many arms as there are lanes.

@@ -108,12 +108,12 @@ template <int D>
 assembly::StateIn<D> walk(const assembly::SystemIn<D>& system, assembly::StateIn<D> state,
                           const assembly::LoadsIn<D>& loads, const integrators::Drives& drive,
                           Eigen::Index n_steps, const TransientOptions& options, const Progress& progress,
-                          const integrators::FollowerIn<D>& follower, const RecordIn<D>& record,
+                          const integrators::StepObserverIn<D>& observer, const RecordIn<D>& record,
                           Transient& run) {
   integrators::HhtStepperIn<D> stepper(
       system, integrators::HhtCoefficients::from_alpha(options.alpha), loads,
-      {.tolerance = options.tolerance, .weld = !options.record_forces && !follower});
-  stepper.follow_with(follower);
+      {.tolerance = options.tolerance, .condense = !options.record_forces && !observer});
+  stepper.observe_with(observer);
   const auto began = Clock::now();
   auto called = began;
   const auto seconds_since = [](Clock::time_point t) {
@@ -135,7 +135,7 @@ assembly::StateIn<D> walk(const assembly::SystemIn<D>& system, assembly::StateIn
       }
     }
   }
-  stepper.find_forces(state);
+  stepper.recover_multipliers(state);
   run.seconds = seconds_since(began);
   run.statistics = stepper.statistics();
   run.dimension = D;
@@ -157,35 +157,35 @@ assembly::PlanarSystem::Attempt plane_of(const System& system, const Equilibrium
 
 Transient simulate_in_space(const System& system, const Equilibrium& equilibrium,
                             const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-                            const Progress& progress, const CompanionIn<3>& companion) {
+                            const Progress& progress, const RunObserverIn<3>& observer) {
   const Eigen::Index n_steps = number_of_steps(system.joints().size(), drives, options);
   Transient run;
   RecorderIn<3> recorder(system, options, n_steps + 1, run);
   const auto record = [&](Eigen::Index k, const State& state, const Loads& loads) {
     recorder.record(k, state, loads);
-    if (companion.record) companion.record(k, state, loads);
+    if (observer.record) observer.record(k, state, loads);
   };
   run.final_state = walk<3>(system, equilibrium.state, equilibrium.loads,
                             drives_of_joints<3>(system, equilibrium.state, drives), n_steps, options,
-                            progress, companion.step, record, run);
+                            progress, observer.step, record, run);
   return run;
 }
 
 Transient simulate_in_plane(const assembly::PlanarSystem& plane, const Equilibrium& equilibrium,
                             const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-                            const Progress& progress, const CompanionIn<2>& companion) {
+                            const Progress& progress, const RunObserverIn<2>& observer) {
   const Eigen::Index n_steps = number_of_steps(plane.joints().size(), drives, options);
   Transient run;
   RecorderIn<2> recorder(plane, options, n_steps + 1, run, InSpace<2>(plane));
   const auto record = [&](Eigen::Index k, const assembly::StateIn<2>& state,
                           const assembly::LoadsIn<2>& loads) {
     recorder.record(k, state, loads);
-    if (companion.record) companion.record(k, state, loads);
+    if (observer.record) observer.record(k, state, loads);
   };
   const auto state = plane.part(equilibrium.state);
   const auto end =
       walk<2>(plane, state, plane.part(equilibrium.loads), drives_of_joints<2>(plane, state, drives), n_steps,
-              options, progress, companion.step, record, run);
+              options, progress, observer.step, record, run);
   run.final_state = plane.embed(end, equilibrium.state);
   return run;
 }

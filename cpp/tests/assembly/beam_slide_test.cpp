@@ -49,13 +49,13 @@ std::vector<Frame> moved(const std::vector<Frame>& frames, const VectorXd& h) {
 TEST_CASE("A point slides in the element beside it, as far off the axis as it stands") {
   const Bent b = bent(1);
   CHECK(b.slide.touched(b.frames) == 1);
-  CHECK(error(b.slide.gap(b.frames), Eigen::Vector2d(0.03, -0.02)) < 1e-12);
+  CHECK(error(b.slide.residual(b.frames), Eigen::Vector2d(0.03, -0.02)) < 1e-12);
 }
 
 TEST_CASE("Jacobian, geometric stiffness and convective term of a slide are derivatives") {
   for (unsigned seed = 2; seed < 5; ++seed) {
     const Bent b = bent(seed);
-    const auto gap = [&](const VectorXd& h) -> VectorXd { return b.slide.gap(moved(b.frames, h)); };
+    const auto gap = [&](const VectorXd& h) -> VectorXd { return b.slide.residual(moved(b.frames, h)); };
     CHECK(error(b.slide.jacobian(b.frames), differences(gap, 18)) < 1e-8);
     const Eigen::Vector2d lambda = Random(seed).vector(2, 4);
     const auto forces = [&](const VectorXd& h) -> VectorXd {

@@ -17,7 +17,7 @@ using Drives = std::map<std::string, DriveKind>;
 const Drives by_cylinder = {{"boom_pin", DriveKind::free}, {"cylinder_pin", DriveKind::free}};
 
 double open_by(const System& system, const State& state) {
-  return system.closures().gap(state.frames).lpNorm<Eigen::Infinity>();
+  return system.closures().residual(state.frames).lpNorm<Eigen::Infinity>();
 }
 
 /// Angle of the boom at a stroke, from the triangle of boom pin, cylinder pin and rod eye.

@@ -39,7 +39,7 @@ Open open(ClosureType type, unsigned seed) {
 }
 
 VectorXd gap(const Open& c, const VectorXd& h) {
-  return c.closure.gap(c.H_a * exp6(Vector6d(h.head<6>())), c.H_b * exp6(Vector6d(h.tail<6>())));
+  return c.closure.residual(c.H_a * exp6(Vector6d(h.head<6>())), c.H_b * exp6(Vector6d(h.tail<6>())));
 }
 
 MatrixXd jacobian(const Open& c, const VectorXd& h) {
@@ -99,7 +99,7 @@ TEST_CASE("Forces and conditions found at once are those of the Jacobian and of 
     VectorXd forces(12);
     forces << now.a, now.b;
     CHECK(error(forces, jacobian(c, VectorXd::Zero(12)).transpose() * lambda) < 1e-12);
-    CHECK(error(now.gap, gap(c, VectorXd::Zero(12))) < 1e-13);
+    CHECK(error(now.residual, gap(c, VectorXd::Zero(12))) < 1e-13);
   }
 }
 
@@ -139,14 +139,14 @@ TEST_CASE("A closure within a plane has the conditions of space that its motion 
     const ClosureConstraint closure(c.type, 0, H_a.inverse() * A, 1, H_b.inverse() * B,
                                     A.R.transpose() * axis, A.R.transpose() * base.E.col(1), 1.7);
     const PlaneAxes at_a = base.seen_from(H_a.R), at_b = base.seen_from(H_b.R);
-    const auto found = closure.within(at_a, at_b);
+    const auto found = closure.planar_part(at_a, at_b);
     REQUIRE(found);
     CHECK(found->closure.size() == c.size);
     CHECK((found->combinations.transpose() * found->combinations).isIdentity(1e-12));
     const auto flat_a = in_plane(H_a, base, at_a), flat_b = in_plane(H_b, base, at_b);
     const auto J = closure.jacobian(H_a, H_b);
     const auto J_flat = found->closure.jacobian(flat_a, flat_b);
-    CHECK(found->closure.gap(flat_a, flat_b).norm() < 1e-13);
+    CHECK(found->closure.residual(flat_a, flat_b).norm() < 1e-13);
     CHECK(error(J_flat.a, found->combinations.transpose() * J.a * at_a.within()) < 1e-12);
     CHECK(error(J_flat.b, found->combinations.transpose() * J.b * at_b.within()) < 1e-12);
     const MatrixXd P = found->combinations * found->combinations.transpose();  // all others hold anyway
@@ -162,7 +162,7 @@ TEST_CASE("A closure that ties what lies across a plane to what lies within has 
                                  ClosureType::point_on_line}) {
     CAPTURE(static_cast<int>(type));
     const ClosureConstraint closure(type, 0, {}, 1, {}, leaning, Vector3d(0.8, 0.1, -0.6), 1);
-    CHECK(!closure.within(axes, axes));
+    CHECK(!closure.planar_part(axes, axes));
   }
 }
 
@@ -178,7 +178,8 @@ TEST_CASE("What a closure leaves free does not violate it, and its number of con
   const auto met = [](ClosureType type, const std::function<Frame(const Vector3d& axis)>& between) {
     const Open c = open(type, 5);
     const Frame H_b = c.H_a * c.X_a * between(c.axis) * c.X_b.inverse();
-    return c.closure.gap(c.H_a, H_b).lpNorm<Eigen::Infinity>() < 1e-14 && c.closure.right_way(c.H_a, H_b);
+    return c.closure.residual(c.H_a, H_b).lpNorm<Eigen::Infinity>() < 1e-14 &&
+           c.closure.axes_agree(c.H_a, H_b);
   };
   const auto turned = [](const Vector3d& u) { return Frame::rotation(exp3(2.1 * u)); };
   const auto shifted = [](const Vector3d& u) { return Frame::translation(0.7 * u); };
@@ -229,7 +230,7 @@ TEST_CASE("The turn of a revolute closure is the angle of B about the axis in A"
   for (const double angle : {-3.0, -0.4, 0.1, 1.2, 3.1}) {
     Vector6d about;
     about << 0, 0, 0, angle * c.axis;
-    CHECK(c.closure.turn(c.H_a, c.H_a * c.X_a * exp6(about) * c.X_b.inverse()) == near(angle, 1e-12));
+    CHECK(c.closure.hinge_angle(c.H_a, c.H_a * c.X_a * exp6(about) * c.X_b.inverse()) == near(angle, 1e-12));
   }
 }
 

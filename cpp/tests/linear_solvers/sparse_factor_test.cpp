@@ -31,8 +31,8 @@ SparseMatrix saddle(int n, int m, unsigned seed) {
   return S;
 }
 
-/// A solution by rows, after which factors are eliminated in the open (triangular_factors.hpp).
-void open(const SparseFactor& factor, Eigen::Index n) {
+/// Solves once by rows; later factorisations then use triangular_factors.hpp.
+void solve_by_rows(const SparseFactor& factor, Eigen::Index n) {
   SparseFactor::Rows rows = SparseFactor::Rows::Ones(n, 3);
   factor.solve(rows);
 }
@@ -46,7 +46,7 @@ TEST_CASE("New numbers in an old pattern are factored as if for the first time")
     for (unsigned seed = 1; seed < 6; ++seed) {
       const SparseMatrix A = saddle(40, 8, seed);
       REQUIRE(factor.factor(A));
-      if (by_rows) open(factor, 48);
+      if (by_rows) solve_by_rows(factor, 48);
       const VectorXd x = random.vector(48);
       VectorXd y = A * x;
       factor.solve(y);
@@ -94,7 +94,7 @@ TEST_CASE("Numbers that need other pivots are pivoted anew") {
   for (const bool by_rows : {false, true}) {
     SparseFactor factor;
     REQUIRE(factor.factor(A));
-    if (by_rows) open(factor, 2);
+    if (by_rows) solve_by_rows(factor, 2);
     REQUIRE(factor.factor(B));
     VectorXd x(2);
     x << 3, 5;
@@ -124,7 +124,7 @@ TEST_CASE("A singular matrix is found out, and a regular one after it is factore
   for (const bool by_rows : {false, true}) {
     SparseFactor used;
     REQUIRE(used.factor(regular));
-    if (by_rows) open(used, 24);
+    if (by_rows) solve_by_rows(used, 24);
     CHECK_FALSE(used.factor(A));
     REQUIRE(used.factor(regular));
     VectorXd x = regular * VectorXd::Ones(24);

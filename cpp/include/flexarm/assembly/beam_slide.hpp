@@ -49,8 +49,8 @@ class BeamSlideIn {
   }
   std::size_t touched(const Frames& frames) const;  ///< the element of (1)
 
-  Conditions gap(const Frames& frames) const;  ///< (2) [m]
-  Rows jacobian(const Frames& frames) const;   ///< (3)
+  Conditions residual(const Frames& frames) const;  ///< (2) [m]
+  Rows jacobian(const Frames& frames) const;        ///< (3)
   /// Derivative of Jᵀλ for fixed λ with respect to the increments.
   Stiffness geometric_stiffness(const Frames& frames, const Conditions& lambda) const;
   /// (dJ/dt) v for velocities v of all nodes.

@@ -57,8 +57,8 @@ class LoopClosuresIn {
   /// Takes P of the same closures at slightly other places, so that rows of Φ mean the same.
   void count_as(const LoopClosuresIn& other) { P_ = other.P_; }
 
-  VectorXd gap(const Frames& frames) const;                                                ///< g [m]
-  VectorXd violation(const Frames& frames) const { return P_.transpose() * gap(frames); }  ///< Φ
+  VectorXd residual(const Frames& frames) const;                                                ///< g [m]
+  VectorXd violation(const Frames& frames) const { return P_.transpose() * residual(frames); }  ///< Φ
   /// What is left of g along N, largest entry [m]: not zero where loops lock.
   double unmet(const Frames& frames) const;
   /// @throws NotConverged if that is more than 1e-7 of the reach [m], at a time t [s].
@@ -85,8 +85,8 @@ class LoopClosuresIn {
     return closures_[k].place_on_b(frame(frames, closures_[k].node_b()));
   }
   /// How B is turned against A.
-  geometry::Rotation<D> turned(std::size_t k, const Frames& frames) const {
-    return closures_[k].turned(frame(frames, closures_[k].node_a()), frame(frames, closures_[k].node_b()));
+  geometry::Rotation<D> rotation(std::size_t k, const Frames& frames) const {
+    return closures_[k].rotation(frame(frames, closures_[k].node_a()), frame(frames, closures_[k].node_b()));
   }
 
   /// Tells entries of Φ_q, and of the geometric stiffness for multipliers mu:

@@ -50,9 +50,9 @@ class System : public SystemIn<3> {
   void place_hinges_of_closures(State& state) const;
   void close_loops();
   std::vector<int> chain_to(int link) const;  // joints from a link to the base
-  VectorXd loop_gap(const std::vector<double>& joint_values) const;
+  VectorXd loop_residual(const std::vector<double>& joint_values) const;
   MatrixXd loop_jacobian(const std::vector<double>& joint_values, const std::vector<int>& unknowns) const;
-  bool right_way(const std::vector<double>& joint_values) const;
+  bool axes_agree(const std::vector<double>& joint_values) const;
   struct Closed {
     std::vector<double> values;
     bool met = false;

@@ -16,7 +16,7 @@
 /// In local frames S hardly changes while the arm swings, so its factors are kept as long as the iteration
 /// contracts. What else changes has few directions: angles between links, and joint laws that are not linear
 /// (friction, backlash), which every correction follows as they are, not by their tangents
-/// (integrators/tangent_changes.hpp). Teeth that meet and friction that turns so cost no further iterates.
+/// (integrators/woodbury_update.hpp). Teeth that meet and friction that turns so cost no further iterates.
 ///
 /// The iteration stops when the error left, estimated from the contraction as in [HairerWanner1996], is below
 /// two tolerances: one for positions, and one for accelerations, to which an error δ of a position
@@ -56,9 +56,9 @@ using HhtMemory = HhtMemoryIn<3>;
 /// Told of every accepted step: states 0 and 1, the argument of exp in (3), its size and the loads at its
 /// end.
 template <int D>
-using FollowerIn = std::function<void(const StateIn<D>& before, const StateIn<D>& after,
-                                      const VectorXd& exponent, double h, const LoadsIn<D>& loads)>;
-using Follower = FollowerIn<3>;
+using StepObserverIn = std::function<void(const StateIn<D>& before, const StateIn<D>& after,
+                                          const VectorXd& exponent, double h, const LoadsIn<D>& loads)>;
+using StepObserver = StepObserverIn<3>;
 
 /// Counts of a run.
 struct HhtStatistics {
@@ -76,13 +76,15 @@ class HhtStepperIn {
   void advance(StateIn<D>& state, double h, const Drives& drives);
 
   /// Lets somebody walk along; steps that are halved are told half by half.
-  void follow_with(FollowerIn<D> follower) { follower_ = std::move(follower); }
+  void observe_with(StepObserverIn<D> observer) { observer_ = std::move(observer); }
 
   /// Loads that act from now on, beside gravity and motors.
   void set_point_loads(const std::vector<assembly::PointLoadIn<D>>& points) { loads_.points = points; }
 
   /// Forces of the welded joints in a state that was reached.
-  void find_forces(StateIn<D>& state) const { solver_.welds().find_forces(state, loads_); }
+  void recover_multipliers(StateIn<D>& state) const {
+    solver_.condensation().recover_multipliers(state, loads_);
+  }
 
   /// @throws NotConverged if the factors cannot be made again.
   void recall(const HhtMemoryIn<D>& memory);
@@ -116,7 +118,7 @@ class HhtStepperIn {
   VectorXd exponent_;  // argument of exp in (3), and scalar increments
   VectorXd r_, phi_;
   DriveValues drive_;
-  FollowerIn<D> follower_;
+  StepObserverIn<D> observer_;
 };
 
 using HhtStepper = HhtStepperIn<3>;

@@ -1,17 +1,18 @@
 /// @file
 /// Corrections of an iterate by eq. (5) of integrators/hht.hpp, with factors that are kept from step to step.
 ///
-/// Rigid joints are condensed (welds.hpp), the factors are those of an earlier state (linear_solvers/
-/// kept_factor.hpp), and what has changed in few directions since is added to them (tangent_changes.hpp).
+/// Rigid joints are condensed (rigid_joint_condensation.hpp), the factors are those of an earlier state
+/// (linear_solvers/cached_factorisation.hpp), and what has changed in few directions since is added to them
+/// (woodbury_update.hpp).
 #pragma once
 
 #include <memory>
 
 #include "flexarm/assembly/iteration_matrix.hpp"
 #include "flexarm/integrators/hht_coefficients.hpp"
-#include "flexarm/integrators/tangent_changes.hpp"
-#include "flexarm/integrators/welds.hpp"
-#include "flexarm/linear_solvers/kept_factor.hpp"
+#include "flexarm/integrators/rigid_joint_condensation.hpp"
+#include "flexarm/integrators/woodbury_update.hpp"
+#include "flexarm/linear_solvers/cached_factorisation.hpp"
 
 namespace flexarm::integrators {
 
@@ -27,7 +28,7 @@ struct HhtOptions {
   int max_halvings = 8;
   double slow_contraction = 0.25;  ///< above this rate the matrix is factored anew
   bool reproducible = false;       ///< see HhtMemory; factoring then costs an analysis of the pattern too
-  bool weld = false;  ///< rigid joints make one node of two (welds.hpp); their forces wait for find_forces()
+  bool condense = false;           ///< condense rigid joints; their forces wait for recover_multipliers()
 };
 
 /// Where factors were made.
@@ -44,7 +45,7 @@ class StepSolverIn {
  public:
   StepSolverIn(const SystemIn<D>& system, const HhtCoefficients& coefficients, const HhtOptions& options);
 
-  const WeldsIn<D>& welds() const { return welds_; }
+  const RigidJointCondensationIn<D>& condensation() const { return condensation_; }
   /// Whether there are factors for steps of this size.
   bool has_factors(double h) const { return h == factored_h_; }
   void forget_factors() { factored_h_ = 0; }
@@ -72,13 +73,13 @@ class StepSolverIn {
   bool reproducible_;
   double scale_;  // s of (5), times β h²
   assembly::IterationMatrixIn<D> matrix_;
-  WeldsIn<D> welds_;
-  TangentChangesIn<D> changes_;
-  linear_solvers::KeptFactor factor_;
+  RigidJointCondensationIn<D> condensation_;
+  WoodburyUpdateIn<D> update_;
+  linear_solvers::CachedFactorisation factor_;
   double factored_h_ = 0;  // step for which the factors hold; 0: none
   bool singular_ = false;
   std::shared_ptr<const LinearisationIn<D>> factored_;
-  VectorXd dx_, reduced_;  // y of welds.hpp
+  VectorXd dx_, reduced_;  // y of rigid_joint_condensation.hpp
 };
 
 }  // namespace flexarm::integrators

@@ -1,6 +1,6 @@
 /// @file
 /// Directions that a joint turns, and how it turns them: P, Q and T of (2), (3) in
-/// integrators/tangent_changes.hpp, T on any kind of numbers.
+/// integrators/woodbury_update.hpp, T on any kind of numbers.
 #pragma once
 
 #include "flexarm/geometry/frame.hpp"

@@ -16,7 +16,7 @@
 ///     point_on_line  e_i · p = 0
 ///
 /// R = 1 is e₁ · R e₂ = e₂ · R e₃ = e₃ · R e₁ = 0. (2) also holds where R turns an axis round by half a turn;
-/// right_way() tells. With increments (ρ, ω) of A and B in their own axes,
+/// axes_agree() tells. With increments (ρ, ω) of A and B in their own axes,
 ///
 ///     δ(e · p) = Rᵀe · ρ_b − e · ρ_a − (p × e) · ω_a                                                 (3)
 ///     δ(e · R w) = (w × Rᵀe) · ω_b − (R w × e) · ω_a                                                 (4)
@@ -87,19 +87,19 @@ class ClosureConstraintIn {
   bool operator==(const ClosureConstraintIn&) const = default;
 
   /// Equations (1), (2).
-  Conditions gap(const FrameD& H_a, const FrameD& H_b) const;
+  Conditions residual(const FrameD& H_a, const FrameD& H_b) const;
 
   /// The same as a distance [m] and an angle [rad] for a reader.
-  struct Apart {
+  struct Misclosure {
     double distance, angle;
   };
-  Apart apart(const FrameD& H_a, const FrameD& H_b) const;
+  Misclosure misclosure(const FrameD& H_a, const FrameD& H_b) const;
 
   /// True unless an axis that (2) aligns points the opposite way.
-  bool right_way(const FrameD& H_a, const FrameD& H_b) const;
+  bool axes_agree(const FrameD& H_a, const FrameD& H_b) const;
 
   /// The angle by which B turns about the axis of a revolute closure, in A; within half a turn.
-  double turn(const FrameD& H_a, const FrameD& H_b) const
+  double hinge_angle(const FrameD& H_a, const FrameD& H_b) const
     requires(D == 3);
 
   /// Equations (3), (4) for increments of the nodes.
@@ -111,7 +111,7 @@ class ClosureConstraintIn {
   /// Jᵀλ, and the conditions.
   struct Response {
     TwistD a, b;
-    Conditions gap;
+    Conditions residual;
   };
   Response respond(const FrameD& H_a, const FrameD& H_b, const Conditions& lambda) const;
 
@@ -136,13 +136,14 @@ class ClosureConstraintIn {
   const FrameD& frame_a() const { return X_a_; }                       ///< X_a
   const FrameD& frame_b() const { return X_b_; }                       ///< X_b
   /// R.
-  Rotation<D> turned(const FrameD& H_a, const FrameD& H_b) const { return place(H_a, H_b).R; }
+  Rotation<D> rotation(const FrameD& H_a, const FrameD& H_b) const { return place(H_a, H_b).R; }
 
   /// The conditions within a plane, and by columns which combinations of those of space they are.
-  struct Within;
+  struct PlanarPart;
   /// Nothing if some condition lies neither within the plane nor across it. @param at_a, at_b axes of the
   /// plane, seen from nodes a and b
-  std::optional<Within> within(const geometry::PlaneAxes& at_a, const geometry::PlaneAxes& at_b) const
+  std::optional<PlanarPart> planar_part(const geometry::PlaneAxes& at_a,
+                                        const geometry::PlaneAxes& at_b) const
     requires(D == 3);
 
  private:
@@ -180,7 +181,7 @@ class ClosureConstraintIn {
 using ClosureConstraint = ClosureConstraintIn<3>;
 
 template <int D>
-struct ClosureConstraintIn<D>::Within {
+struct ClosureConstraintIn<D>::PlanarPart {
   ClosureConstraintIn<2> closure;
   Eigen::MatrixXd combinations;
 };

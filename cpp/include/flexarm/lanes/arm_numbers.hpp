@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "flexarm/assembly/equations.hpp"
-#include "flexarm/integrators/welds.hpp"
+#include "flexarm/integrators/rigid_joint_condensation.hpp"
 #include "flexarm/lanes/numbers.hpp"
 #include "flexarm/lanes/rows.hpp"
 #include "flexarm/lanes/turn_numbers.hpp"
@@ -37,7 +37,9 @@ class ArmNumbersIn {
   ArmNumbersIn(const std::vector<const SystemIn<D>*>& arms, const std::vector<LoadsIn<D>>& loads, int lanes);
 
   const Arms& arms() const { return arms_; }
-  const integrators::WeldsIn<D>& welds(int lane) const { return *welds_[static_cast<std::size_t>(lane)]; }
+  const integrators::RigidJointCondensationIn<D>& condensation(int lane) const {
+    return *condensation_[static_cast<std::size_t>(lane)];
+  }
 
   /// Rest strains of a lane's beams whose bow grows, at t [s].
   void grow_bows(int lane, const SystemIn<D>& arm, double t);
@@ -47,16 +49,16 @@ class ArmNumbersIn {
 
   const std::vector<int>& unknowns() const { return unknowns_; }  ///< that steps solve for
 
-  using Changes = integrators::TangentChangesIn<D>;
+  using Update = integrators::WoodburyUpdateIn<D>;
   /// What turned joints change in the inverse that was set last.
-  void set_turns(int lane, const Changes& changes);
+  void set_turns(int lane, const Update& update);
 
   /// W of turned joints and laws, whose forces are found lane by lane.
   void set_by_forces(int lane, const Eigen::MatrixXd& W);
 
   /// @param change of accelerations of free scalar coordinates, of multipliers and of Uᵀ x by Φ''
   /// @param W of the first two
-  void set_consistent(int lane, const Eigen::MatrixXd& change, const Changes& changes,
+  void set_consistent(int lane, const Eigen::MatrixXd& change, const Update& update,
                       const Eigen::MatrixXd& W);
 
  private:
@@ -69,7 +71,7 @@ class ArmNumbersIn {
   void cut(const linear_solvers::DissectedInverse& inverse);
 
   int lanes_;
-  std::vector<std::unique_ptr<integrators::WeldsIn<D>>> welds_;
+  std::vector<std::unique_ptr<integrators::RigidJointCondensationIn<D>>> condensation_;
   std::vector<int> beam_nodes_, body_nodes_, carriers_, section_nodes_;
   std::vector<JointPlace> joints_;
   std::vector<GearPlace> gears_;

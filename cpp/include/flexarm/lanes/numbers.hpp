@@ -15,7 +15,7 @@ inline constexpr int frame_rows = D * D + D;
 
 struct JointPlace {
   int node_a, node_b, coordinate, first_row;
-  bool folded;  ///< takes no part in steps (integrators/welds.hpp)
+  bool folded;  ///< takes no part in steps (integrators/rigid_joint_condensation.hpp)
 };
 
 /// A gear between scalar coordinates, with its constraint's row; `waves` if some arm has a transmission
@@ -32,7 +32,7 @@ struct LawPlace {
   bool linear;
 };
 
-/// A node that follows another one (integrators/welds.hpp); −1: the base.
+/// A node that follows another one (integrators/rigid_joint_condensation.hpp); −1: the base.
 struct FollowerPlace {
   int node, carrier;
 };
@@ -65,7 +65,7 @@ struct TurningJoint {
   bool slides;
 };
 
-/// What turned joints change in a kept matrix (integrators/tangent_changes.hpp), with blocks of `across`
+/// What turned joints change in a kept matrix (integrators/woodbury_update.hpp), with blocks of `across`
 /// rows.
 struct Turns {
   int n_joints, n_columns, n_rows;  ///< of U, and of W

@@ -3,7 +3,7 @@
 ///
 /// Each lane makes the steps of integrators/hht.hpp: it stops iterating by its own increments and waits for
 /// the others, and no number of it depends on theirs, so that an arm moves the same way in any company. Laws
-/// that are not linear are followed lane by lane (integrators/tangent_changes.hpp), with them inner hinges.
+/// that are not linear are followed lane by lane (integrators/woodbury_update.hpp), with them inner hinges.
 /// Where an iteration fails, the arm leaves its lane: it is to run alone.
 #pragma once
 
@@ -12,9 +12,9 @@
 
 #include "flexarm/assembly/iteration_matrix.hpp"
 #include "flexarm/integrators/hht.hpp"
-#include "flexarm/integrators/tangent_changes.hpp"
+#include "flexarm/integrators/woodbury_update.hpp"
 #include "flexarm/lanes/arm_numbers.hpp"
-#include "flexarm/linear_solvers/kept_factor.hpp"
+#include "flexarm/linear_solvers/cached_factorisation.hpp"
 
 namespace flexarm::lanes {
 
@@ -41,9 +41,9 @@ class StepperIn {
   StateIn<D> final_state(int lane) const;
 
   /// Change of accelerations and multipliers by Φ'' that record() is to add, see ArmNumbersIn.
-  void set_consistent(int lane, const Eigen::MatrixXd& change,
-                      const integrators::TangentChangesIn<D>& changes, const Eigen::MatrixXd& W) {
-    numbers_.set_consistent(lane, change, changes, W);
+  void set_consistent(int lane, const Eigen::MatrixXd& change, const integrators::WoodburyUpdateIn<D>& update,
+                      const Eigen::MatrixXd& W) {
+    numbers_.set_consistent(lane, change, update, W);
   }
   int recorded_rows() const { return 2 * D * numbers_.arms().n_points + 6 * numbers_.arms().n_outputs; }
   /// See Kernel::record.
@@ -55,9 +55,9 @@ class StepperIn {
     LoadsIn<D> loads;
     StateIn<D> now;  // as it started, but for what laws need
     assembly::IterationMatrixIn<D> matrix;
-    integrators::TangentChangesIn<D> changes;
+    integrators::WoodburyUpdateIn<D> update;
     /// Where the lane's matrix is not cut as those of others, as when entries have joined its pattern.
-    std::unique_ptr<linear_solvers::KeptFactor> own_factor = {};
+    std::unique_ptr<linear_solvers::CachedFactorisation> own_factor = {};
     Eigen::VectorXd increments = {};  // of its own factors
     bool runs = true;
     double contraction = 0.5;
@@ -67,7 +67,7 @@ class StepperIn {
   void put(int lane, const StateIn<D>& state);
   void take_scalars(int lane);
   void find_law_forces(int lane);
-  bool turns_together() const { return own_laws_.empty() && lane_.front().changes.any(); }
+  bool turns_together() const { return own_laws_.empty() && lane_.front().update.any(); }
   void find_forces(int lane, bool again);
   void take_unknowns(int lane, Eigen::VectorXd& x) const;
   void put_unknowns(int lane, const Eigen::VectorXd& x);

@@ -1,5 +1,5 @@
 /// @file
-/// Turned joints of arms side by side: (2) and (5) of integrators/tangent_changes.hpp, without laws. Included
+/// Turned joints of arms side by side: (2) and (5) of integrators/woodbury_update.hpp, without laws. Included
 /// once for each kind of processor.
 #pragma once
 

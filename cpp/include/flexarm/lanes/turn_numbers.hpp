@@ -1,11 +1,11 @@
 /// @file
-/// What turned joints change in kept matrices (integrators/tangent_changes.hpp), laid out for arms side by
+/// What turned joints change in kept matrices (integrators/woodbury_update.hpp), laid out for arms side by
 /// side.
 #pragma once
 
 #include <vector>
 
-#include "flexarm/integrators/tangent_changes.hpp"
+#include "flexarm/integrators/woodbury_update.hpp"
 #include "flexarm/lanes/numbers.hpp"
 #include "flexarm/lanes/rows.hpp"
 
@@ -14,14 +14,14 @@ namespace flexarm::lanes {
 template <int D>
 class TurnNumbersIn {
  public:
-  using Changes = integrators::TangentChangesIn<D>;
+  using Update = integrators::WoodburyUpdateIn<D>;
 
   TurnNumbersIn() = default;
   /// @param unknowns places of those that the matrix has. @param n_rows of W
-  TurnNumbersIn(const Changes& changes, const std::vector<int>& unknowns, int n_rows, int lanes);
+  TurnNumbersIn(const Update& update, const std::vector<int>& unknowns, int n_rows, int lanes);
 
   /// @param W rows of W that are asked for
-  void set(int lane, const Changes& changes, const Eigen::MatrixXd& W);
+  void set(int lane, const Update& update, const Eigen::MatrixXd& W);
 
   const Turns& turns() const { return turns_; }
 

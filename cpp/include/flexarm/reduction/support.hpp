@@ -27,7 +27,7 @@ Support support(const linear_solvers::LowerTriangle& K, const linear_solvers::Lo
                 const Coordinates& coordinates, const std::vector<Interface>& interfaces);
 
 /// R of (1) about the centre, rotations divided by the part's length; zero at unused points.
-Eigen::MatrixXd rigid_motion(const Coordinates& coordinates, const Support& support);
+Eigen::MatrixXd scaled_rigid_motion(const Coordinates& coordinates, const Support& support);
 
 /// "point 17 at (0.1, 0, 0.25) m".
 std::string name_of_point(const Coordinates& coordinates, Eigen::Index point);

@@ -51,12 +51,12 @@ class DerivativeRecorderIn {
   ConsistentForceSlopesIn<D> forces_;
 };
 
-/// The models of variations alone.
+/// The variations alone.
 template <int D>
-std::vector<VariationIn<D>> models_of(const std::vector<VariedInSpace<D>>& varied) {
-  std::vector<VariationIn<D>> models;
-  for (const auto& each : varied) models.push_back(each.models);
-  return models;
+std::vector<VariationIn<D>> variations_of(const std::vector<VariedInSpace<D>>& varied) {
+  std::vector<VariationIn<D>> variations;
+  for (const auto& each : varied) variations.push_back(each.variation);
+  return variations;
 }
 
 }  // namespace flexarm::sensitivity

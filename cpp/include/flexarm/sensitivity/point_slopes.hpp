@@ -1,5 +1,5 @@
 /// @file
-/// Derivatives of what is recorded of points.
+/// Sensitivities of recorded motions of points.
 ///
 /// A point's frame H and its twist v follow from those of its node, or of both ends of its element, by one
 /// and the same matrix, v = A v_e. With the twist ξ = A ξ_e by which H moves with a parameter, and the strain
@@ -9,8 +9,9 @@
 ///     dv = A dv_e + ∂(A v_e)/∂d dd,   dd = T_r⁻¹(d) ξ₂ − T_l⁻¹(d) ξ₁                                 (2)
 ///     dq/dp = ½ q ∘ ξ_ω                                            for the unit quaternion q of R    (3)
 ///
-/// the same A for all parameters. A parameter that moves the point on its link, or bends the element's shape
-/// functions, adds the difference of its two models (variation.hpp) at the state.
+/// the same A for all parameters; ∂(A v_e)/∂d by central differences, steps of 1e-5 of the element's length
+/// or rad. A parameter that moves the point on its link, or bends the element's shape functions, adds the
+/// difference of its two models (variation.hpp) at the state.
 #pragma once
 
 #include <vector>
@@ -32,7 +33,7 @@ using simulation::VariationIn;
 /// A variation with the places of both its models in space.
 template <int D>
 struct VariedInSpace {
-  VariationIn<D> models;
+  VariationIn<D> variation;
   InSpace<D> plus, minus;
 };
 
@@ -51,7 +52,7 @@ class PointSlopesIn {
   struct Moving {
     int point;
     Eigen::Index column;
-    const VariedInSpace<D>* models;
+    const VariedInSpace<D>* varied;
   };
 
   bool moves(int point, const VariedInSpace<D>& varied) const;

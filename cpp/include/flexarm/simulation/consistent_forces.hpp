@@ -21,7 +21,7 @@
 /// whose total derivatives d/dp of constraints are differences of the two models of p.
 /// `TransientOptions::consistent_forces` leaves it out.
 ///
-/// One factorisation A₀ serves (2) while the arm moves. Where integrators/tangent_changes.hpp does not follow
+/// One factorisation A₀ serves (2) while the arm moves. Where integrators/woodbury_update.hpp does not follow
 /// every turned joint, r is more than rounding, and the solution is refined [Golub2013],
 ///
 ///     x ← x + A₀⁻¹ (b − A x)                                                                         (3)
@@ -35,8 +35,8 @@
 #include <vector>
 
 #include "flexarm/assembly/iteration_matrix.hpp"
-#include "flexarm/integrators/tangent_changes.hpp"
-#include "flexarm/linear_solvers/kept_factor.hpp"
+#include "flexarm/integrators/woodbury_update.hpp"
+#include "flexarm/linear_solvers/cached_factorisation.hpp"
 #include "flexarm/linear_solvers/packed_matrix.hpp"
 #include "flexarm/simulation/variation.hpp"
 
@@ -49,9 +49,9 @@ constexpr double nearly_massless = 1e-12;
 template <int D>
 class ConsistentForcesIn {
  public:
-  /// @param most_joints that are followed, integrators/tangent_changes.hpp
+  /// @param most_joints that are followed, integrators/woodbury_update.hpp
   explicit ConsistentForcesIn(const assembly::SystemIn<D>& system,
-                              std::size_t most_joints = integrators::TangentChangesIn<D>::most_in_steps);
+                              std::size_t most_joints = integrators::WoodburyUpdateIn<D>::most_in_steps);
 
   /// The state with w and λ̃ of (1); `state` itself where they are v̇ and λ. The result lasts until the next
   /// call. @param loads of the step; null: r is taken as zero, as it is where every joint is followed
@@ -62,7 +62,7 @@ class ConsistentForcesIn {
   /// (w − v̇, (λ̃ − λ)/s) of the last call.
   const VectorXd& change() const { return change_; }
   double scale() const { return scale_; }  ///< s of multipliers and constraints
-  const integrators::TangentChangesIn<D>& changes() const { return changes_; }  ///< of A₀
+  const integrators::WoodburyUpdateIn<D>& update() const { return update_; }  ///< of A₀
   /// x := the solution of (2) in `state`, of which the last call of of() was made, for the right side x.
   void solve(const assembly::StateIn<D>& state, VectorXd& x);
 
@@ -78,12 +78,12 @@ class ConsistentForcesIn {
   double scale_;
   assembly::IterationMatrixIn<D> matrix_;
   Eigen::SparseMatrix<double> regular_;
-  Eigen::SparseMatrix<double> massless_;  // what coordinates without mass get
-  Eigen::SparseMatrix<double> mass_;      // with it
-  const integrators::WeldsIn<D> none_;    // rigid joints have their multipliers
-  integrators::TangentChangesIn<D> changes_;
+  Eigen::SparseMatrix<double> massless_;                 // what coordinates without mass get
+  Eigen::SparseMatrix<double> mass_;                     // with it
+  const integrators::RigidJointCondensationIn<D> none_;  // rigid joints have their multipliers
+  integrators::WoodburyUpdateIn<D> update_;
   bool factored_ = false;
-  linear_solvers::KeptFactor kept_;
+  linear_solvers::CachedFactorisation kept_;
   linear_solvers::PackedMatrix by_constraints_;  // −s A₀⁻¹ [0; I], where A₀ is small
   VectorXd padded_;
   VectorXd c_, change_, r_, phi_, multipliers_;

@@ -25,7 +25,7 @@ class SampledRun {
   SampledRun& operator=(const SampledRun&) = delete;
 
   /// Lets somebody walk along from this instant on, which is recorded first.
-  void accompany(CompanionIn<3> companion);
+  void observe(RunObserverIn<3> observer);
 
   /// `n_steps` steps with these motor torques, one a joint, output-referred [N m]; not beyond the end.
   /// @throws NotConverged
@@ -66,7 +66,7 @@ class SampledRun {
   Eigen::VectorXd torques_;  // one a scalar coordinate
   Transient run_;
   Recorder recorder_;
-  CompanionIn<3> companion_;
+  RunObserverIn<3> observer_;
 };
 
 }  // namespace flexarm::simulation

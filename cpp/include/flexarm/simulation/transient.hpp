@@ -68,10 +68,10 @@ using Progress = std::function<bool(double done)>;
 /// It is called so often at most.
 constexpr double seconds_between_calls = 0.02;
 
-/// Somebody who walks along with a run: told of every step that is taken, and of every instant recorded.
+/// Observer of a run: told of every step that is taken, and of every instant recorded.
 template <int D>
-struct CompanionIn {
-  integrators::FollowerIn<D> step;
+struct RunObserverIn {
+  integrators::StepObserverIn<D> step;
   std::function<void(Eigen::Index k, const assembly::StateIn<D>& state, const assembly::LoadsIn<D>& loads)>
       record;
 };
@@ -86,10 +86,10 @@ Transient simulate(const System& system, const Equilibrium& equilibrium,
 /// The same where it is decided in what the motion is computed.
 Transient simulate_in_space(const System& system, const Equilibrium& equilibrium,
                             const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-                            const Progress& progress, const CompanionIn<3>& companion = {});
+                            const Progress& progress, const RunObserverIn<3>& observer = {});
 Transient simulate_in_plane(const assembly::PlanarSystem& plane, const Equilibrium& equilibrium,
                             const std::vector<PiecewisePolynomial>& drives, const TransientOptions& options,
-                            const Progress& progress, const CompanionIn<2>& companion = {});
+                            const Progress& progress, const RunObserverIn<2>& observer = {});
 
 /// Number of steps from start to end.
 /// @throws InvalidParameter if step, end or the number of drives is wrong.

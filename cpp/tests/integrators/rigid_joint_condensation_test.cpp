@@ -1,4 +1,4 @@
-#include "flexarm/integrators/welds.hpp"
+#include "flexarm/integrators/rigid_joint_condensation.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,14 +6,14 @@
 #include "flexarm/integrators/hht.hpp"
 #include "flexarm/simulation/statics.hpp"
 
-namespace flexarm::tests::welds_test {
+namespace flexarm::tests::rigid_joint_condensation_test {
 
 using flexarm::assembly::JointCoordinates;
 using flexarm::integrators::DriveValues;
 using flexarm::integrators::HhtCoefficients;
 using flexarm::integrators::HhtStepper;
-using flexarm::integrators::WeldsIn;
-using Welds = WeldsIn<3>;
+using flexarm::integrators::RigidJointCondensationIn;
+using Condensation = RigidJointCondensationIn<3>;
 
 namespace {
 
@@ -45,14 +45,14 @@ flexarm::model::Arm welded_arm() {
 
 const std::map<std::string, DriveKind> drives = {{"hinge", DriveKind::motor_angle}};
 
-/// Steps of 2 ms from rest while the motor turns; forces of welds found.
-State moved(const System& system, bool weld, flexarm::integrators::HhtStatistics& statistics) {
+/// Steps of 2 ms from rest while the motor turns; multipliers recovered.
+State moved(const System& system, bool condense, flexarm::integrators::HhtStatistics& statistics) {
   const Loads gravity;
   State state = flexarm::simulation::static_equilibrium(system, {0, 0, 0, 0, 0}, gravity).state;
   const int phi = system.joints()[3].phi;
   const VectorXd zero = VectorXd::Zero(system.n_scalars());
   HhtStepper stepper(system, HhtCoefficients::from_alpha(-0.1), gravity,
-                     {.tolerance = 1e-13, .acceleration_tolerance = 1e-9, .weld = weld});
+                     {.tolerance = 1e-13, .acceleration_tolerance = 1e-9, .condense = condense});
   for (int k = 0; k < 300; ++k) {
     stepper.advance(state, 2e-3, [&](double t, DriveValues& values) {
       values = {zero, zero, zero, zero};
@@ -61,7 +61,7 @@ State moved(const System& system, bool weld, flexarm::integrators::HhtStatistics
       values.v_dot[phi] = 4;
     });
   }
-  stepper.find_forces(state);
+  stepper.recover_multipliers(state);
   statistics = stepper.statistics();
   return state;
 }
@@ -89,32 +89,32 @@ TEST_CASE("Welded nodes move as rigid joints move them, with the same forces") {
 
 TEST_CASE("Each node of a body follows one carrier; what hangs on the base rests") {
   const System system(welded_arm(), drives);
-  const Welds welds(system, true);
+  const Condensation condensation(system, true);
   // Nodes: post 0 1, column 2 3 4, plate 5, tail 6, boom 7 8 9.
-  CHECK(welds.carriers() == std::vector<int>{1, 3, 4, 6, 7, 8});
-  CHECK(welds.joints() == std::vector<bool>{true, true, true, false, true});
-  CHECK(welds.n_unknowns() == 6 * 6 + 1 + 6);
-  CHECK(welds.place_of(0).row == Welds::none);
-  CHECK(welds.place_of(5).row == welds.place_of(4).row);
-  CHECK_FALSE(Welds(system, false).any());
-  CHECK(Welds(system, false).n_unknowns() == system.n_unknowns());
+  CHECK(condensation.carriers() == std::vector<int>{1, 3, 4, 6, 7, 8});
+  CHECK(condensation.joints() == std::vector<bool>{true, true, true, false, true});
+  CHECK(condensation.n_unknowns() == 6 * 6 + 1 + 6);
+  CHECK(condensation.place_of(0).row == Condensation::none);
+  CHECK(condensation.place_of(5).row == condensation.place_of(4).row);
+  CHECK_FALSE(Condensation(system, false).any());
+  CHECK(Condensation(system, false).n_unknowns() == system.n_unknowns());
 }
 
 TEST_CASE("fold, unfold and reduce are products with one matrix") {
   const System system(welded_arm(), drives);
-  const Welds welds(system, true);
+  const Condensation condensation(system, true);
   Random random(9);
   const State state = random_state(system, 3);
   const Eigen::SparseMatrix<double> S = system.tangent(state, {}, {2, 3, 1});
-  const VectorXd y = random.vector(welds.n_unknowns()), z = random.vector(welds.n_unknowns());
+  const VectorXd y = random.vector(condensation.n_unknowns()), z = random.vector(condensation.n_unknowns());
   VectorXd Ty(system.n_unknowns()), Tz(system.n_unknowns()), b = random.vector(system.n_unknowns()),
-                                                             Tb(welds.n_unknowns());
-  welds.unfold(y, Ty);
-  welds.unfold(z, Tz);
+                                                             Tb(condensation.n_unknowns());
+  condensation.expand(y, Ty);
+  condensation.expand(z, Tz);
   const double work = Ty.dot(b);
-  welds.fold(b, Tb);
+  condensation.condense(b, Tb);
   CHECK(y.dot(Tb) == near(work, 1e-12));
-  CHECK(y.dot(welds.reduce(S) * z) == near(Ty.dot(S * Tz), 1e-12));
+  CHECK(y.dot(condensation.reduce(S) * z) == near(Ty.dot(S * Tz), 1e-12));
 }
 
 TEST_CASE("A rigid joint that closes a loop stays a constraint") {
@@ -122,7 +122,7 @@ TEST_CASE("A rigid joint that closes a loop stays a constraint") {
   arm.joints.push_back(arm.joints[1]);
   arm.joints.back().name = "twin";
   const System system(arm, drives);
-  CHECK(Welds(system, true).joints() == std::vector<bool>{true, true, true, false, true, false});
+  CHECK(Condensation(system, true).joints() == std::vector<bool>{true, true, true, false, true, false});
 }
 
 TEST_CASE("An arm that rests as a whole is left as it is") {
@@ -131,7 +131,7 @@ TEST_CASE("An arm that rests as a whole is left as it is") {
   arm.links = {flexarm::model::RigidLink{"block", 1.0, Vector3d::Zero(), 0.1 * Matrix3d::Identity()}};
   arm.joints = {{.name = "clamp", .type = JointType::fixed, .child = "block"}};
   const System system(arm, {});
-  CHECK_FALSE(Welds(system, true).any());
+  CHECK_FALSE(Condensation(system, true).any());
 }
 
-}  // namespace flexarm::tests::welds_test
+}  // namespace flexarm::tests::rigid_joint_condensation_test

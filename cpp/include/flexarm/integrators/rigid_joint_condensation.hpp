@@ -1,5 +1,5 @@
 /// @file
-/// Nodes that rigid joints hold together, stepped as one.
+/// Condensation of rigid joints: nodes that they hold together are stepped as one.
 ///
 /// A rigid joint demands H_b = H_a X with X = X_a X_b⁻¹ (joints/joint_constraint.hpp). Node b may then follow
 /// a, its carrier, in everything that is linear in velocities,
@@ -26,7 +26,7 @@
 namespace flexarm::integrators {
 
 template <int D>
-class WeldsIn {
+class RigidJointCondensationIn {
  public:
   using SystemD = assembly::SystemIn<D>;
   using StateD = assembly::StateIn<D>;
@@ -34,12 +34,12 @@ class WeldsIn {
   using VectorXd = Eigen::VectorXd;
   static constexpr int none = -1;
 
-  /// @param fold off: no node follows another one.
-  WeldsIn(const SystemD& system, bool fold);
+  /// @param condense off: no node follows another one.
+  RigidJointCondensationIn(const SystemD& system, bool condense);
 
   bool any() const { return !followers_.empty(); }
   int n_unknowns() const { return n_unknowns_; }                  ///< of y
-  const std::vector<bool>& joints() const { return folded_; }     ///< flags of those that (1) replaces
+  const std::vector<bool>& joints() const { return condensed_; }  ///< flags of those that (1) replaces
   const std::vector<int>& carriers() const { return carriers_; }  ///< nodes that do not follow
   int row(int unknown) const { return rows_[unknown]; }           ///< of an unknown of Δ in y, or none
 
@@ -61,15 +61,15 @@ class WeldsIn {
   /// Tᵀ S T.
   Eigen::SparseMatrix<double> reduce(const Eigen::SparseMatrix<double>& S) const;
   /// y := Tᵀ b; `b` is scratch afterwards.
-  void fold(VectorXd& b, VectorXd& y) const;
+  void condense(VectorXd& b, VectorXd& y) const;
   /// dx := T y.
-  void unfold(const VectorXd& y, VectorXd& dx) const;
+  void expand(const VectorXd& y, VectorXd& dx) const;
 
   /// Frames of all that follow, (1).
   void place(std::vector<FrameD>& frames) const;
 
   /// The multipliers of (3) in this state.
-  void find_forces(StateD& state, const assembly::LoadsIn<D>& loads) const;
+  void recover_multipliers(StateD& state, const assembly::LoadsIn<D>& loads) const;
 
  private:
   static constexpr int n = geometry::freedoms<D>;
@@ -79,11 +79,11 @@ class WeldsIn {
   };
 
   void find_followers();
-  void gather(int carrier, std::vector<bool>& seen);
+  void collect_followers(int carrier, std::vector<bool>& seen);
   void number_unknowns();
 
   const SystemD& system_;
-  std::vector<bool> folded_;
+  std::vector<bool> condensed_;
   std::vector<int> carriers_, rows_;
   std::vector<Follower> followers_;
   std::vector<Piece> pieces_;

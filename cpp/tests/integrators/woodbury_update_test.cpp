@@ -1,4 +1,4 @@
-#include "flexarm/integrators/tangent_changes.hpp"
+#include "flexarm/integrators/woodbury_update.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include "flexarm/assembly/planar_system.hpp"
 #include "flexarm/integrators/hht.hpp"
 
-namespace flexarm::tests::tangent_changes_test {
+namespace flexarm::tests::woodbury_update_test {
 
 using flexarm::assembly::IterationMatrixIn;
 using flexarm::assembly::LoadsIn;
@@ -17,7 +17,7 @@ using flexarm::assembly::TangentFactors;
 using flexarm::integrators::DriveValues;
 using flexarm::integrators::HhtCoefficients;
 using flexarm::integrators::HhtStepper;
-using flexarm::integrators::TangentChangesIn;
+using flexarm::integrators::WoodburyUpdateIn;
 using flexarm::linear_solvers::SparseFactor;
 
 namespace {
@@ -53,18 +53,18 @@ std::pair<double, double> compare(const SystemIn<D>& system, const StateIn<D>& t
   SparseFactor kept, present;
   const VectorXd laws = system.law_tangents(then, factors, true);
   REQUIRE(kept.factor(*matrix.assemble(then, weightless, factors, laws)));
-  TangentChangesIn<D> changes(system, {system, false});
-  changes.keep(then, factors, laws, kept);
+  WoodburyUpdateIn<D> update(system, {system, false});
+  update.keep(then, factors, laws, kept);
 
   const VectorXd b = Random(3).vector(system.n_unknowns());
   VectorXd x = b, exact = b;
   kept.solve(x);
   const VectorXd uncorrected = x;
-  changes.correct(now, x);
+  update.correct(now, x);
   REQUIRE(present.factor(*matrix.assemble(now, weightless, factors, chords(system, now, x))));
   present.solve(exact);
   VectorXd again = uncorrected;
-  changes.correct(now, again, true);
+  update.correct(now, again, true);
   CHECK(again == x);
   return {relative_error(x, exact), relative_error(uncorrected, exact)};
 }
@@ -145,7 +145,7 @@ TEST_CASE("In a plane the pin that closes a loop is followed, whichever of its s
       const Loads weightless{.gravity = Vector3d::Zero()};
       const auto plane = flexarm::assembly::PlanarSystem::about(system, then, weightless).system;
       REQUIRE(plane);
-      CHECK(TangentChangesIn<2>(*plane, {*plane, false}).follows_constraints());
+      CHECK(WoodburyUpdateIn<2>(*plane, {*plane, false}).follows_constraints());
       const auto [corrected, kept] = compare<2>(*plane, plane->part(then), plane->part(now));
       CHECK(kept > 0.01);
       CHECK(corrected < 1e-9);
@@ -167,12 +167,12 @@ TEST_CASE("A large correction follows a law beyond its tangent, whatever else ha
     SparseFactor kept;
     const VectorXd tangents = system.law_tangents(then, factors, true);
     REQUIRE(kept.factor(*matrix.assemble(then, weightless, factors, tangents)));
-    TangentChangesIn<3> changes(system, {system, false});
-    changes.keep(then, factors, tangents, kept);
+    WoodburyUpdateIn<3> update(system, {system, false});
+    update.keep(then, factors, tangents, kept);
     const VectorXd b = 1e5 * Random(5).vector(system.n_unknowns());
     VectorXd x = b;
     kept.solve(x);
-    changes.correct(now, x);
+    update.correct(now, x);
 
     const VectorXd along = chords(system, now, x);
     CHECK(relative_error(along, system.law_tangents(now, factors, true)) > 0.01);
@@ -241,4 +241,4 @@ TEST_CASE("An arm folds at its elbow with one factorisation, in little more than
   CHECK(stepper.statistics().iterations < 1.5 * stepper.statistics().steps);
 }
 
-}  // namespace flexarm::tests::tangent_changes_test
+}  // namespace flexarm::tests::woodbury_update_test

@@ -1,14 +1,14 @@
-#include "flexarm/linear_solvers/kept_factor.hpp"
+#include "flexarm/linear_solvers/cached_factorisation.hpp"
 
 namespace flexarm::linear_solvers {
 
-bool KeptFactor::factor(const Eigen::SparseMatrix<double>& A) {
+bool CachedFactorisation::factor(const Eigen::SparseMatrix<double>& A) {
   if (!sparse_.factor(A)) return false;
   inverted_ = A.rows() <= largest_inverse && inverse_.invert(A);
   return true;
 }
 
-void KeptFactor::solve(Eigen::VectorXd& x) {
+void CachedFactorisation::solve(Eigen::VectorXd& x) {
   if (inverted_) {
     inverse_.solve(x);
   } else {

@@ -1,6 +1,6 @@
 /// @file
-/// What changes in a kept iteration matrix while an arm moves: few directions of it, so that the kept factors
-/// still serve by the Woodbury identity, and few forces.
+/// Woodbury update of a cached factorisation of the iteration matrix: while an arm moves the matrix changes
+/// in few directions, and few forces change.
 ///
 ///     S Δ = b,  S = S₀ + U C Uᵀ:   Δ = x − W f,  x = S₀⁻¹ b,  W = S₀⁻¹ U,  f = C Uᵀ Δ                (1)
 ///
@@ -45,8 +45,8 @@
 
 #include "flexarm/assembly/equations.hpp"
 #include "flexarm/integrators/law_equations.hpp"
+#include "flexarm/integrators/rigid_joint_condensation.hpp"
 #include "flexarm/integrators/turned.hpp"
-#include "flexarm/integrators/welds.hpp"
 #include "flexarm/linear_solvers/elimination.hpp"
 #include "flexarm/linear_solvers/packed_matrix.hpp"
 #include "flexarm/linear_solvers/sparse_factor.hpp"
@@ -54,15 +54,15 @@
 namespace flexarm::integrators {
 
 template <int D>
-class TangentChangesIn {
+class WoodburyUpdateIn {
  public:
   // More turning joints than this make (1) dearer than the iterations it saves.
   static constexpr int most_in_steps = 3;
 
-  /// @param welds which unknowns S has. @param laws whether S has the laws' tangents.
+  /// @param condensation the unknowns that S has. @param laws whether S has the laws' tangents.
   /// @param most_joints up to so many turning joints are followed
-  TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds, bool laws = true,
-                   std::size_t most_joints = most_in_steps);
+  WoodburyUpdateIn(const assembly::SystemIn<D>& system, const RigidJointCondensationIn<D>& condensation,
+                   bool laws = true, std::size_t most_joints = most_in_steps);
 
   /// Whether (1) follows every change of Φ_q.
   bool follows_constraints() const { return follows_constraints_; }
@@ -130,9 +130,9 @@ class TangentChangesIn {
     int plus, minus;
   };
 
-  void find_turning_joints(const WeldsIn<D>& welds, std::size_t most);
-  void find_laws(const WeldsIn<D>& welds);
-  void find_turning_pins(const WeldsIn<D>& welds);
+  void find_turning_joints(const RigidJointCondensationIn<D>& condensation, std::size_t most);
+  void find_laws(const RigidJointCondensationIn<D>& condensation);
+  void find_turning_pins(const RigidJointCondensationIn<D>& condensation);
   Turned<D> turned_by(const TurningJoint& joint, const assembly::StateIn<D>& state) const;  // T
   bool turn_joints(const assembly::StateIn<D>& state);
   void find_laws_here(const assembly::StateIn<D>& state);
@@ -141,9 +141,9 @@ class TangentChangesIn {
   /// What depends on the turns of the joints alone, and the forces, for numbers of joints and laws; the
   /// former is Eigen::Dynamic for more than most_in_steps.
   struct ForNumbers {
-    void (TangentChangesIn::*prepare)();
-    void (TangentChangesIn::*find_joint_forces)(const Eigen::VectorXd&);
-    void (TangentChangesIn::*add_law_forces)(const Eigen::VectorXd&);
+    void (WoodburyUpdateIn::*prepare)();
+    void (WoodburyUpdateIn::*find_joint_forces)(const Eigen::VectorXd&);
+    void (WoodburyUpdateIn::*add_law_forces)(const Eigen::VectorXd&);
   };
   static ForNumbers for_numbers(std::size_t joints, std::size_t laws);
   template <int joints>

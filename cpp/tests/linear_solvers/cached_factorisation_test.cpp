@@ -1,4 +1,4 @@
-#include "flexarm/linear_solvers/kept_factor.hpp"
+#include "flexarm/linear_solvers/cached_factorisation.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include "flexarm/linear_solvers/dissection.hpp"
 #include "numerics.hpp"
 
-namespace flexarm::tests::kept_factor_test {
+namespace flexarm::tests::cached_factorisation_test {
 
 using namespace flexarm::linear_solvers;
 using SparseMatrix = Eigen::SparseMatrix<double>;
@@ -164,7 +164,7 @@ TEST_CASE("Where all parts tried are singular the inverse is refused and substit
   const SparseMatrix A = path(160);
   DissectedInverse inverse;
   CHECK_FALSE(inverse.invert(A));
-  KeptFactor factor;
+  CachedFactorisation factor;
   REQUIRE(factor.factor(A));
   VectorXd x = A * VectorXd::LinSpaced(160, 1, 2);
   factor.solve(x);
@@ -174,7 +174,7 @@ TEST_CASE("Where all parts tried are singular the inverse is refused and substit
 TEST_CASE("Kept factors of small and of large matrices solve alike") {
   for (int n_blocks : {4, 20, 90}) {
     const SparseMatrix A = chain(n_blocks, 11);
-    KeptFactor factor;
+    CachedFactorisation factor;
     REQUIRE(factor.factor(A));
     const VectorXd ones = VectorXd::Ones(A.rows());
     VectorXd x = A * ones;
@@ -184,19 +184,19 @@ TEST_CASE("Kept factors of small and of large matrices solve alike") {
     factor.by_substitution().solve(X);
     CHECK(error(X, MatrixXd::Ones(A.rows(), 2)) < 1e-12);
   }
-  KeptFactor factor;
+  CachedFactorisation factor;
   CHECK_FALSE(factor.factor(path(33)));
 }
 
 TEST_CASE("Kept factors forget the matrix before, and give the same solution again to the last bit") {
   const SparseMatrix A = chain(20, 12), other = chain(20, 13);
   const VectorXd b = Random(14).vector(static_cast<int>(A.rows()));
-  KeptFactor fresh, used;
+  CachedFactorisation fresh, used;
   REQUIRE(fresh.factor(A));
   REQUIRE(used.factor(other));
   VectorXd x = b, y = b;
   used.solve(y);
-  used = KeptFactor();
+  used = CachedFactorisation();
   REQUIRE(used.factor(A));
   y = b;
   fresh.solve(x);
@@ -204,4 +204,4 @@ TEST_CASE("Kept factors forget the matrix before, and give the same solution aga
   CHECK(x == y);
 }
 
-}  // namespace flexarm::tests::kept_factor_test
+}  // namespace flexarm::tests::cached_factorisation_test

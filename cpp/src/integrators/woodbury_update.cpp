@@ -1,4 +1,4 @@
-#include "flexarm/integrators/tangent_changes.hpp"
+#include "flexarm/integrators/woodbury_update.hpp"
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,8 @@ using ByRows = Eigen::Matrix<double, n_j, n_j, Eigen::RowMajor>;
 }  // namespace
 
 template <int D>
-TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const WeldsIn<D>& welds, bool laws,
+WoodburyUpdateIn<D>::WoodburyUpdateIn(const assembly::SystemIn<D>& system,
+                                      const RigidJointCondensationIn<D>& condensation, bool laws,
                                       std::size_t most_joints)
     : system_(system), follows_constraints_(true) {
   const auto changes = [&](const joints::GearConstraint& gear) {
@@ -30,11 +31,11 @@ TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const
     return system.is_free(gear.input) && !ideal;
   };
   if (std::ranges::any_of(system.gears(), changes)) follows_constraints_ = false;
-  find_turning_joints(welds, most_joints);
-  if (laws) find_laws(welds);
+  find_turning_joints(condensation, most_joints);
+  if (laws) find_laws(condensation);
   const auto n_laws = static_cast<Eigen::Index>(laws_.size());
   const Eigen::Index columns = 2 * across * static_cast<Eigen::Index>(joints_.size()) + n_laws;
-  W_.resize(welds.n_unknowns(), columns);
+  W_.resize(condensation.n_unknowns(), columns);
   C_ = MatrixXd::Zero(columns - n_laws, columns - n_laws);
   LU_.resize(columns - n_laws, columns - n_laws);
   C_G_.resize(columns - n_laws, n_laws);
@@ -44,7 +45,8 @@ TangentChangesIn<D>::TangentChangesIn(const assembly::SystemIn<D>& system, const
 }
 
 template <int D>
-void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds, std::size_t most) {
+void WoodburyUpdateIn<D>::find_turning_joints(const RigidJointCondensationIn<D>& condensation,
+                                              std::size_t most) {
   int row = system_.n_free();
   for (std::size_t k = 0; k < system_.constraints().size(); ++k) {
     const auto& joint = system_.constraints()[k];
@@ -52,14 +54,14 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds, std::size
     row += joint.rows();
     if (joint.type() == joints::JointType::spherical) follows_constraints_ = false;
     if (joint.coordinate() < 0 || joint.node_a() < 0) continue;
-    const auto parent = welds.place_of(joint.node_a());
-    if (parent.row == WeldsIn<D>::none) continue;  // held to the base
+    const auto parent = condensation.place_of(joint.node_a());
+    if (parent.row == RigidJointCondensationIn<D>::none) continue;  // held to the base
     const auto [P, Q] = directions_of<D>(joint.twist(), joint.type() == joints::JointType::prismatic);
     const FrameIn<D> to_parent = joint.frame_a().inverse() * parent.to_carrier;
-    joints_.push_back({static_cast<int>(k), -1, welds.row(first_row), parent.row, P,
+    joints_.push_back({static_cast<int>(k), -1, condensation.row(first_row), parent.row, P,
                        adjoint<D>(to_parent).transpose() * Q});
   }
-  find_turning_pins(welds);
+  find_turning_pins(condensation);
   if (joints_.size() <= most) return;
   // A hinge of a mount turns by what its spring gives way: the kept factor serves it as it is.
   std::erase_if(joints_, [&](const TurningJoint& joint) {
@@ -77,29 +79,29 @@ void TangentChangesIn<D>::find_turning_joints(const WeldsIn<D>& welds, std::size
 
 /// Closures other than pins and rigid ones, and those of space, are not followed.
 template <int D>
-void TangentChangesIn<D>::find_turning_pins(const WeldsIn<D>& welds) {
+void WoodburyUpdateIn<D>::find_turning_pins(const RigidJointCondensationIn<D>& condensation) {
   const auto& closures = system_.closures();
   for (std::size_t k = 0; k < closures.size(); ++k) {
     const auto& closure = closures[k];
     if (D == 3 || closures.slide(k) || !(closure.is_ball() || closure.is_rigid())) {
       follows_constraints_ = false;
     } else if (closure.is_ball() && closure.node_b() >= 0) {
-      const auto node = welds.place_of(closure.node_b());
-      if (node.row == WeldsIn<D>::none) continue;
+      const auto node = condensation.place_of(closure.node_b());
+      if (node.row == RigidJointCondensationIn<D>::none) continue;
       const auto [P, Q] = directions_of<D>(Twist<D>::Unit(n - 1), false);
       const int row = system_.n_unknowns() - closures.rows() + closures.first_condition(k);
       const FrameIn<D> to_b = closure.frame_b().inverse() * node.to_carrier;
       joints_.push_back(
-          {-1, static_cast<int>(k), welds.row(row), node.row, P, adjoint<D>(to_b).transpose() * Q});
+          {-1, static_cast<int>(k), condensation.row(row), node.row, P, adjoint<D>(to_b).transpose() * Q});
     }
   }
 }
 
 template <int D>
-void TangentChangesIn<D>::find_laws(const WeldsIn<D>& welds) {
+void WoodburyUpdateIn<D>::find_laws(const RigidJointCondensationIn<D>& condensation) {
   const auto row = [&](int scalar) {
     const bool free = scalar >= 0 && system_.is_free(scalar);
-    return free ? welds.row(system_.scalar_offset() + scalar) : WeldsIn<D>::none;
+    return free ? condensation.row(system_.scalar_offset() + scalar) : RigidJointCondensationIn<D>::none;
   };
   for (std::size_t k = 0; k < system_.laws().size(); ++k) {
     const assembly::PlacedLaw& law = system_.laws()[k];
@@ -109,9 +111,9 @@ void TangentChangesIn<D>::find_laws(const WeldsIn<D>& welds) {
 }
 
 template <int D>
-Turned<D> TangentChangesIn<D>::turned_by(const TurningJoint& joint, const assembly::StateIn<D>& state) const {
+Turned<D> WoodburyUpdateIn<D>::turned_by(const TurningJoint& joint, const assembly::StateIn<D>& state) const {
   if constexpr (D == 2) {
-    if (joint.closure >= 0) return -system_.closures().turned(joint.closure, state.frames);
+    if (joint.closure >= 0) return -system_.closures().rotation(joint.closure, state.frames);
   }
   const auto& constraint = system_.constraints()[joint.constraint];
   return turned<D>(constraint.twist(), constraint.type() == joints::JointType::prismatic,
@@ -119,7 +121,7 @@ Turned<D> TangentChangesIn<D>::turned_by(const TurningJoint& joint, const assemb
 }
 
 template <int D>
-void TangentChangesIn<D>::directions(MatrixXd& U) const {
+void WoodburyUpdateIn<D>::directions(MatrixXd& U) const {
   U.setZero();
   Eigen::Index column = 0;
   for (const TurningJoint& joint : joints_) {
@@ -135,7 +137,7 @@ void TangentChangesIn<D>::directions(MatrixXd& U) const {
 }
 
 template <int D>
-void TangentChangesIn<D>::keep(const assembly::StateIn<D>& state, const assembly::TangentFactors& c,
+void WoodburyUpdateIn<D>::keep(const assembly::StateIn<D>& state, const assembly::TangentFactors& c,
                                const VectorXd& laws, const linear_solvers::SparseFactor& factor) {
   factors_ = c;
   kept_laws_ = laws;
@@ -151,7 +153,7 @@ void TangentChangesIn<D>::keep(const assembly::StateIn<D>& state, const assembly
 
 /// C of this state. @return whether it is not zero
 template <int D>
-bool TangentChangesIn<D>::turn_joints(const assembly::StateIn<D>& state) {
+bool WoodburyUpdateIn<D>::turn_joints(const assembly::StateIn<D>& state) {
   bool any = false;
   Eigen::Index at = 0;
   for (const TurningJoint& joint : joints_) {
@@ -165,7 +167,7 @@ bool TangentChangesIn<D>::turn_joints(const assembly::StateIn<D>& state) {
 }
 
 template <int D>
-void TangentChangesIn<D>::find_laws_here(const assembly::StateIn<D>& state) {
+void WoodburyUpdateIn<D>::find_laws_here(const assembly::StateIn<D>& state) {
   laws_here_.clear();
   for (int k : laws_) {
     const assembly::PlacedLaw& law = system_.laws()[k];
@@ -182,7 +184,7 @@ void TangentChangesIn<D>::find_laws_here(const assembly::StateIn<D>& state) {
 /// Factors of (5), and Ĝ of (6), with C of (2) without its zeros.
 template <int D>
 template <int joints>
-void TangentChangesIn<D>::prepare_for() {
+void WoodburyUpdateIn<D>::prepare_for() {
   constexpr int N = columns_of<joints>;
   const Eigen::Index n_l = G_l_.rows(), n_j = N >= 0 ? N : LU_.rows();
   G_l_ = G_.bottomRightCorner(n_l, n_l);
@@ -208,7 +210,7 @@ void TangentChangesIn<D>::prepare_for() {
 /// f_J of (5) where laws take no forces, with what `prepare_for` made.
 template <int D>
 template <int joints>
-void TangentChangesIn<D>::find_joint_forces(const VectorXd& along) {
+void WoodburyUpdateIn<D>::find_joint_forces(const VectorXd& along) {
   constexpr int N = columns_of<joints>;
   if constexpr (joints != 0) {
     const Eigen::Index n_j = N >= 0 ? N : LU_.rows();
@@ -227,7 +229,7 @@ void TangentChangesIn<D>::find_joint_forces(const VectorXd& along) {
 /// f_L of (6), and what it changes of f_J. @param L, most laws, as LawVector has them
 template <int D>
 template <int L, int most>
-void TangentChangesIn<D>::add_law_forces(const VectorXd& along) {
+void WoodburyUpdateIn<D>::add_law_forces(const VectorXd& along) {
   const Eigen::Index n_l = G_l_.rows(), n_j = f_.size() - n_l;
   LawVector<L, most> z = along.tail(n_l);
   z -= G_.bottomLeftCorner(n_l, n_j).lazyProduct(f_.head(n_j));
@@ -237,9 +239,9 @@ void TangentChangesIn<D>::add_law_forces(const VectorXd& along) {
 }
 
 template <int D>
-typename TangentChangesIn<D>::ForNumbers TangentChangesIn<D>::for_numbers(std::size_t joints,
+typename WoodburyUpdateIn<D>::ForNumbers WoodburyUpdateIn<D>::for_numbers(std::size_t joints,
                                                                           std::size_t laws) {
-  using Self = TangentChangesIn<D>;
+  using Self = WoodburyUpdateIn<D>;
   static constexpr std::array prepare = {&Self::prepare_for<0>, &Self::prepare_for<1>, &Self::prepare_for<2>,
                                          &Self::prepare_for<3>, &Self::prepare_for<Eigen::Dynamic>};
   static constexpr std::array of_joints = {&Self::find_joint_forces<0>, &Self::find_joint_forces<1>,
@@ -253,7 +255,7 @@ typename TangentChangesIn<D>::ForNumbers TangentChangesIn<D>::for_numbers(std::s
 }
 
 template <int D>
-bool TangentChangesIn<D>::prepare(const assembly::StateIn<D>& state, bool again) {
+bool WoodburyUpdateIn<D>::prepare(const assembly::StateIn<D>& state, bool again) {
   if (W_.cols() == 0) return false;
   if (!again) {
     turned_ = turn_joints(state);
@@ -263,7 +265,7 @@ bool TangentChangesIn<D>::prepare(const assembly::StateIn<D>& state, bool again)
 }
 
 template <int D>
-const VectorXd& TangentChangesIn<D>::forces(const assembly::StateIn<D>& state, const VectorXd& along) {
+const VectorXd& WoodburyUpdateIn<D>::forces(const assembly::StateIn<D>& state, const VectorXd& along) {
   (this->*for_numbers_.find_joint_forces)(along);
   if (!laws_.empty()) {
     find_laws_here(state);
@@ -273,7 +275,7 @@ const VectorXd& TangentChangesIn<D>::forces(const assembly::StateIn<D>& state, c
 }
 
 template <int D>
-void TangentChangesIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x, bool again) {
+void WoodburyUpdateIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x, bool again) {
   if (!prepare(state, again)) return;
   Ux_.resize(W_.cols());
   find_along([&](int row) { return x[row]; }, Ux_);
@@ -282,7 +284,7 @@ void TangentChangesIn<D>::correct(const assembly::StateIn<D>& state, VectorXd& x
   x -= Wy_.head(x.size());  // eq. (1)
 }
 
-template class TangentChangesIn<2>;
-template class TangentChangesIn<3>;
+template class WoodburyUpdateIn<2>;
+template class WoodburyUpdateIn<3>;
 
 }  // namespace flexarm::integrators

@@ -1,4 +1,4 @@
-#include "flexarm/integrators/welds.hpp"
+#include "flexarm/integrators/rigid_joint_condensation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,11 @@ using namespace geometry;
 using Eigen::VectorXd;
 
 template <int D>
-WeldsIn<D>::WeldsIn(const SystemD& system, bool fold) : system_(system) {
-  if (fold) find_followers();
+RigidJointCondensationIn<D>::RigidJointCondensationIn(const SystemD& system, bool condense)
+    : system_(system) {
+  if (condense) find_followers();
   if (carriers_.empty() || followers_.empty()) {  // an arm that rests as a whole is left as it is
-    folded_.clear();
+    condensed_.clear();
     followers_.clear();
     carriers_.resize(system.n_nodes());
     std::iota(carriers_.begin(), carriers_.end(), 0);
@@ -22,21 +23,21 @@ WeldsIn<D>::WeldsIn(const SystemD& system, bool fold) : system_(system) {
 }
 
 template <int D>
-void WeldsIn<D>::find_followers() {
-  folded_.assign(system_.constraints().size(), false);
+void RigidJointCondensationIn<D>::find_followers() {
+  condensed_.assign(system_.constraints().size(), false);
   std::vector<bool> seen(system_.n_nodes(), false);
-  gather(joints::JointConstraintIn<D>::ground, seen);
+  collect_followers(joints::JointConstraintIn<D>::ground, seen);
   for (int k = 0; k < system_.n_nodes(); ++k) {
     if (seen[k]) continue;
     seen[k] = true;
     carriers_.push_back(k);
-    gather(k, seen);
+    collect_followers(k, seen);
   }
 }
 
 /// All that hangs on a carrier, the nearest first.
 template <int D>
-void WeldsIn<D>::gather(int carrier, std::vector<bool>& seen) {
+void RigidJointCondensationIn<D>::collect_followers(int carrier, std::vector<bool>& seen) {
   struct Reached {
     int node;
     FrameD X;
@@ -56,13 +57,13 @@ void WeldsIn<D>::gather(int carrier, std::vector<bool>& seen) {
       followers_.push_back({node, carrier, parent.node, static_cast<int>(k),
                             system_.first_row(static_cast<int>(k)), X, X.inverse(), step.inverse()});
       reached.push_back({node, X});
-      seen[node] = folded_[k] = true;
+      seen[node] = condensed_[k] = true;
     }
   }
 }
 
 template <int D>
-void WeldsIn<D>::number_unknowns() {
+void RigidJointCondensationIn<D>::number_unknowns() {
   std::vector<bool> kept(system_.n_unknowns(), true);
   const auto drop = [&](int first, int count) { std::fill_n(kept.begin() + first, count, false); };
   for (const Follower& follower : followers_) {
@@ -79,7 +80,7 @@ void WeldsIn<D>::number_unknowns() {
 }
 
 template <int D>
-typename WeldsIn<D>::Place WeldsIn<D>::place_of(int node) const {
+typename RigidJointCondensationIn<D>::Place RigidJointCondensationIn<D>::place_of(int node) const {
   for (const Follower& follower : followers_) {
     if (follower.node != node) continue;
     return {follower.carrier < 0 ? none : rows_[n * follower.carrier], follower.X_inverse};
@@ -88,7 +89,7 @@ typename WeldsIn<D>::Place WeldsIn<D>::place_of(int node) const {
 }
 
 template <int D>
-Eigen::SparseMatrix<double> WeldsIn<D>::reduce(const Eigen::SparseMatrix<double>& S) const {
+Eigen::SparseMatrix<double> RigidJointCondensationIn<D>::reduce(const Eigen::SparseMatrix<double>& S) const {
   std::vector<Eigen::Triplet<double>> entries;
   for (const Piece& piece : pieces_) {
     for (int k = 0; k < piece.count; ++k) entries.emplace_back(piece.from + k, piece.to + k, 1.0);
@@ -112,7 +113,7 @@ Eigen::SparseMatrix<double> WeldsIn<D>::reduce(const Eigen::SparseMatrix<double>
 }
 
 template <int D>
-void WeldsIn<D>::fold(VectorXd& b, VectorXd& y) const {
+void RigidJointCondensationIn<D>::condense(VectorXd& b, VectorXd& y) const {
   for (const Follower& follower : followers_) {
     if (follower.carrier < 0) continue;
     const Twist<D> f = b.template segment<n>(n * follower.node);
@@ -122,7 +123,7 @@ void WeldsIn<D>::fold(VectorXd& b, VectorXd& y) const {
 }
 
 template <int D>
-void WeldsIn<D>::unfold(const VectorXd& y, VectorXd& dx) const {
+void RigidJointCondensationIn<D>::expand(const VectorXd& y, VectorXd& dx) const {
   for (const Piece& piece : pieces_) dx.segment(piece.from, piece.count) = y.segment(piece.to, piece.count);
   for (const Follower& follower : followers_) {
     auto own = dx.template segment<n>(n * follower.node);
@@ -137,17 +138,18 @@ void WeldsIn<D>::unfold(const VectorXd& y, VectorXd& dx) const {
 }
 
 template <int D>
-void WeldsIn<D>::place(std::vector<FrameD>& frames) const {
+void RigidJointCondensationIn<D>::place(std::vector<FrameD>& frames) const {
   for (const Follower& follower : followers_) {
     frames[follower.node] = follower.carrier < 0 ? follower.X : frames[follower.carrier] * follower.X;
   }
 }
 
 template <int D>
-void WeldsIn<D>::find_forces(StateD& state, const assembly::LoadsIn<D>& loads) const {
+void RigidJointCondensationIn<D>::recover_multipliers(StateD& state,
+                                                      const assembly::LoadsIn<D>& loads) const {
   if (!any()) return;
   VectorXd r(system_.n_velocities()), phi(system_.n_constraints());
-  system_.evaluate(state, loads, r, phi, folded_);
+  system_.evaluate(state, loads, r, phi, condensed_);
   for (auto follower = followers_.rbegin(); follower != followers_.rend(); ++follower) {
     const auto& joint = system_.constraints()[follower->joint];
     const Twist<D> f = r.template segment<n>(n * follower->node);
@@ -163,7 +165,7 @@ void WeldsIn<D>::find_forces(StateD& state, const assembly::LoadsIn<D>& loads) c
   }
 }
 
-template class WeldsIn<2>;
-template class WeldsIn<3>;
+template class RigidJointCondensationIn<2>;
+template class RigidJointCondensationIn<3>;
 
 }  // namespace flexarm::integrators

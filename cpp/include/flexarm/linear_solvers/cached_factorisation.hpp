@@ -1,6 +1,6 @@
 /// @file
-/// Factors that serve thousands of right sides before they are made anew: of a matrix that is not large, the
-/// inverse is worth forming (linear_solvers/dissected_inverse.hpp).
+/// A factorisation that serves thousands of right sides before it is made anew. The inverse of a matrix that
+/// is not large is formed (linear_solvers/dissected_inverse.hpp).
 ///
 /// The choice depends on the matrix alone, so the same one always gives the same solution to the last bit.
 #pragma once
@@ -10,7 +10,7 @@
 
 namespace flexarm::linear_solvers {
 
-class KeptFactor {
+class CachedFactorisation {
  public:
   /// Matrices of up to so many unknowns are inverted; beyond, substitution is faster.
   static constexpr Eigen::Index largest_inverse = 160;
