@@ -268,6 +268,15 @@ def test_a_joint_that_hangs_on_the_start_of_a_beam_beside_its_end_is_doubted(tmp
     assert stated == []
 
 
+@pytest.mark.parametrize(("along", "doubted"), [(0.0, False), (-0.2, False), (0.3, True), (1.9, True)])
+def test_a_joint_along_a_beam_hangs_on_its_start_and_is_doubted(tmp_path, along, doubted):
+    place = f"origin = {{ xyz = [0, 0.1, {along}] }}"
+    (tmp_path / "plain.toml").write_text(PLAIN.replace("PLACE", place))
+    told = [str(problem) for problem in flexarm.Arm.from_toml(tmp_path / "plain.toml").warnings]
+    assert len(told) == doubted
+    assert all(f"stands {along:g} m along it, which it does not follow; write two beams" in t for t in told)
+
+
 def test_links_named_base_are_read_as_ros_industrial_writes_them(tmp_path):
     """A root of that name is the base; below another root it is a frame of its own."""
     (tmp_path / "short.urdf").write_text(SHORT.format(xyz="0 0 2"))

@@ -26,7 +26,7 @@ def validate(arm: Arm) -> Iterable[Problem]:
         if isinstance(link, Beam):
             yield from _beam(link)
     yield from _beyond_the_beam(arm)
-    yield from _beside_the_beam(arm)
+    yield from _on_the_start(arm)
     yield from _counted_twice(arm)
     yield from _unseen(arm)
     yield from size_problems(arm)
@@ -80,21 +80,27 @@ def _beyond_the_beam(arm: Arm) -> Iterable[Problem]:
                 )
 
 
-def _beside_the_beam(arm: Arm) -> Iterable[Problem]:
-    """Yield joints without `at` that stand at the far end of a beam and hang on its start."""
+def _on_the_start(arm: Arm) -> Iterable[Problem]:
+    """Yield joints without `at` that stand along a beam and are rigid with its start."""
     beams = {link.name: link for link in arm.links if isinstance(link, Beam)}
     for joint in arm.joints:
         beam = beams.get(joint.parent)
         if beam is None or "at" in joint.model_fields_set:
             continue
         along = dot(joint.origin.xyz, beam.end) / beam.length / beam.length
+        if along <= ENDS:
+            continue
         if along >= 1 - ENDS:
             rest = [float(f"{part:.9g}") for part in left_from_end(joint.origin.xyz, beam.end)]
-            yield Problem(
-                f"joints.{joint.name}.at",
-                f"is left out: the joint is rigid with the start of beam {beam.name!r} and stands at its far "
-                f'end, which it does not follow; write at = "end" and origin xyz = {rest}, or at = "start"',
-            )
+            where, write = "at its far end", f'at = "end" and origin xyz = {rest}'
+        else:
+            where = f"{along * beam.length:.4g} m along it"
+            write = "two beams that meet there"
+        yield Problem(
+            f"joints.{joint.name}.at",
+            f"is left out: the joint is rigid with the start of beam {beam.name!r} and stands {where}, which "
+            f'it does not follow; write {write}, or at = "start"',
+        )
 
 
 def _unseen(arm: Arm) -> Iterable[Problem]:
