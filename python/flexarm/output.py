@@ -28,6 +28,8 @@ from flexarm.termination import undone_on_exit
 PARTIAL, LOCK, ROOM = ".partial", "lock", "new"
 """Ending of the hidden directory's name; in it the locked file, and the directory of what is written."""
 
+PAGES = (".html", ".htm")
+"""Endings of the names of pages."""
 PAGE, FIGURE = "report.html", "flexarm report"
 """Name of a report's page, and the software that its figures name in their first bytes."""
 
@@ -137,6 +139,15 @@ def write_file(
     """
     with output_file(path, inputs, force) as partial:
         partial.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def refuse_suffix(path: Path, allowed: tuple[str, ...]) -> None:
+    """Refuse a file whose name says that it is of another format.
+
+    Raise InvalidFile if the name ends in anything else than what is allowed; no ending is allowed too.
+    """
+    if path.suffix and path.suffix.lower() not in allowed:
+        raise InvalidFile(path, "output", f"must end in {' or '.join(allowed)}, got {path.suffix!r}")
 
 
 def refuse_existing(path: Path, force: bool, inputs: Iterable[Path] = ()) -> None:

@@ -185,10 +185,11 @@ def test_warnings_leave_the_exit_code_at_0(
         (["check", "nowhere.toml"], "nowhere.toml: file: there is no such file"),
         (
             ["static", "MODEL", "--joint", "hinge"],
-            "command line: --joint: must be NAME=RAD such as hinge=0.5, got 'hinge'",
+            "command line: --joint: must be NAME=VALUE with a plain number in SI units, such as hinge=0.5, "
+            "got 'hinge'",
         ),
-        (["static", "MODEL", "--joint", "hinge=fast"], "command line: --joint: must be NAME=RAD"),
-        (["static", "MODEL", "--joint", "hinge=inf"], "command line: --joint: must be NAME=RAD"),
+        (["static", "MODEL", "--joint", "hinge=fast"], "command line: --joint: must be NAME=VALUE"),
+        (["static", "MODEL", "--joint", "hinge=inf"], "command line: --joint: must be NAME=VALUE"),
         (
             ["static", "MODEL", "--joint", "elbow=1"],
             "MODEL: --joint: there is no moving joint 'elbow'; there are hinge",

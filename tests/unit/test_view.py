@@ -1,5 +1,7 @@
 """Claims about pictures of arms: bones lie where the model's points are, and a page draws without network."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from arms import TUBE, beam, fixed, hinge, point, rigid
@@ -16,7 +18,9 @@ from flexarm.viewer import view
 from flexarm.viewer.scene import placed
 from flexarm.viewer.skeleton import Skeleton
 from flexarm.viewer.solids import ball, box, hung, rod
-from flexarm.viewer.stages import of_modes, of_simulation, of_statics
+from flexarm.viewer.stages import of_arm, of_modes, of_simulation, of_statics
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def an_arm(stiffness: float = 2e4, **more) -> Arm:
@@ -49,6 +53,23 @@ def test_bones_of_an_equilibrium_lie_at_its_points_and_displacements_scale():
         x = of_statics(found, scale).clips[0].poses.x[0, bone]
         rigid_place = (found.position - found.displacement)[0]
         assert np.allclose(x, rigid_place + scale * found.displacement[0], atol=1e-9)
+
+
+def test_each_joint_of_several_loops_moves_alone_from_where_the_arm_stands():
+    """Other cylinders stay where they are stated; a sweep is halved until its loop closes."""
+    arm = Arm.from_toml(EXAMPLES / "excavator" / "excavator.toml")
+    scene = of_arm(arm, {"boom_piston": 0.6, "stick_piston": 0.7})
+    rest, *moved = scene.clips
+    assert [clip.name for clip in moved] == [joint.name for joint in arm.moving_joints]
+    for clip in moved:
+        assert np.allclose(clip.poses.x[0], rest.poses.x[0], atol=1e-9), clip.name
+        assert np.ptp(clip.poses.x, axis=0).max() > 0.1
+
+
+def test_a_page_is_not_written_into_a_picture(tmp_path):
+    with pytest.raises(InvalidFile, match=r"must end in \.html or \.htm, got '\.png'"):
+        an_arm().view().save(tmp_path / "arm.png")
+    assert not (tmp_path / "arm.png").exists()
 
 
 def test_a_stored_equilibrium_is_drawn_as_before(tmp_path):

@@ -85,13 +85,18 @@ class Closure(Table):
 
 def loop_joints(arm: Arm) -> tuple[str, ...]:
     """Return the moving joints of the loops and those that gears couple to them, in the model's order."""
+    found = set().union(*loops(arm))
+    return tuple(joint.name for joint in arm.moving_joints if joint.name in found)
+
+
+def loops(arm: Arm) -> list[set[str]]:
+    """Return the joints of the loop that each closure closes, and those that gears couple to them."""
     holder = {link_of(joint.child): joint for joint in arm.joints}
-    found: set[str] = set()
+    found = []
     for closure in arm.closures:
         chains = [set(_chain(link_of(place), holder)) for place in (closure.a, closure.b)]
-        found |= chains[0] ^ chains[1]
-    found = coupled_joints(found, arm.gears)
-    return tuple(joint.name for joint in arm.moving_joints if joint.name in found)
+        found.append(coupled_joints(chains[0] ^ chains[1], arm.gears))
+    return found
 
 
 def _chain(link: str, holder: Mapping[str, Joint]) -> Iterable[str]:

@@ -240,6 +240,9 @@ def _field(arm: Arm, owner: Table, word: str) -> tuple[str, str]:
         stem = word.removesuffix(f"_{suffix}")
         if stem != word and stem in fields and unit in _units(arm, owner, stem):
             return stem, unit
+    if isinstance(inner := getattr(owner, word, None) if word in fields else None, Table):
+        within = " or ".join(f"'{word}.{name}'" for name in type(inner).model_fields)
+        raise ValueError(f"{word!r} is a table; write {within}")
     uncertain = [name for name in fields if unit_of(fields[name])]
     raise ValueError(
         f"there is no value {word!r}; there are {', '.join(uncertain)}, each also with its unit at the end"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -110,7 +110,7 @@ def _model(path: Path) -> Told:
         closed = _loops(arm)
     except InvalidParameter as error:
         return told, lines, warnings, list(error.problems)
-    return {**told, "loops": closed}, [*lines, "", *_loop_lines(closed)], warnings, []
+    return {**told, "loops": closed}, [*lines, "", *_loop_lines(closed, arm.assembly)], warnings, []
 
 
 def _loops(arm: Arm) -> dict[str, Any]:
@@ -124,8 +124,12 @@ def _loops(arm: Arm) -> dict[str, Any]:
     return {"assembled": found.assembled, "redundant_conditions": found.redundant}
 
 
-def _loop_lines(closed: dict[str, Any]) -> list[str]:
-    stand = ", ".join(f"{name} = {value:.6g}" for name, value in closed["assembled"].items())
+def _loop_lines(closed: dict[str, Any], stated: Mapping[str, float]) -> list[str]:
+    def place(name: str, value: float) -> str:
+        at = stated.get(name, value)  # loops that do not close there stand elsewhere
+        return f"{name} = {value:.6g}" + (f" ([assembly] {at:g})" if abs(value - at) > 1e-6 else "")
+
+    stand = ", ".join(place(name, value) for name, value in closed["assembled"].items())
     lines = [f"loops closed at {stand} [rad, m]"]
     if count := closed["redundant_conditions"]:
         lines.append(

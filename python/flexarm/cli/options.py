@@ -25,7 +25,7 @@ JointValues = Annotated[
     list[str] | None,
     typer.Option(
         "--joint",
-        metavar="NAME=RAD",
+        metavar="NAME=VALUE",
         help="Where a joint's drive stands, output side [rad, m if prismatic]; repeat it.",
     ),
 ]
@@ -113,7 +113,7 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
     from flexarm.arm.joint import shaft_ratio
     from flexarm.arm.sizes import LONGEST
 
-    values = numbers_by_joint(arm, model, given, "--joint", "NAME=RAD")
+    values = numbers_by_joint(arm, model, given, "--joint", "NAME=VALUE")
     for name, value in values.items():
         turns = abs(value) / (2 * math.pi)
         if arm.joint(name).type == "revolute" and turns > shaft_ratio(name, arm.gears):
@@ -128,7 +128,7 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
 def numbers_by_joint(
     arm: Arm, model: Path, given: list[str] | None, option: str, form: str
 ) -> dict[str, float]:
-    """Return the numbers of an option of a form such as NAME=RAD.
+    """Return the numbers of an option of a form such as NAME=VALUE.
 
     Raise InvalidFile if one is not of that form, names no moving joint, or names one twice.
     """
@@ -138,7 +138,8 @@ def numbers_by_joint(
         name, equals, number = text.partition("=")
         name = name.strip()
         if not equals or not _is_finite(number):
-            what = f"must be {form} such as {joints[0] if joints else 'hinge'}=0.5, got {text!r}"
+            example = f"{joints[0] if joints else 'hinge'}=0.5"
+            what = f"must be {form} with a plain number in SI units, such as {example}, got {text!r}"
             raise InvalidFile("command line", option, what)
         if name not in joints:
             from flexarm.arm.consistency import missing

@@ -55,8 +55,9 @@ def view(
         flexarm view diagnosis --record other_day
     """
     if out is not None:
-        from flexarm.output import refuse_existing
+        from flexarm.output import PAGES, refuse_existing, refuse_suffix
 
+        refuse_suffix(out, PAGES)
         refuse_existing(out, force, [path])
     from flexarm.viewer.scene import STYLE
 

@@ -85,7 +85,7 @@ def _one(scene: Scene, clip: int, ax: Axes | None, names: bool = True) -> Axes:
     ghost = next((layer for layer in scene.layers if layer.name in GHOSTS), None)
     if ghost is not None:
         axes.plot([], [], color=STYLE.ghost, alpha=0.5, lw=4, label=ghost.text)
-        axes.legend(loc="best", fontsize="small", frameon=False)
+        axes.legend(loc="upper left", fontsize="small", frameon=False)  # "best" asks every corner
     several = len(scene.clips) > 1
     said = f"{shown.name.partition(':')[0]}: {shown.text.partition(';')[0]}" if several else scene.title
     axes.set_title(_wrapped("\n".join([said, *(() if several else scene.notes[:1])])), fontsize=9)

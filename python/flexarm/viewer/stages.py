@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.arm.closure import loop_joints
+from flexarm.arm.closure import loop_joints, loops
 from flexarm.arrays import Floats
 from flexarm.assembly import following_joints
 from flexarm.drive import Drive
@@ -39,9 +39,13 @@ def of_arm(arm: Arm, joints: Mapping[str, float] | None = None, meshes: Meshes |
     for i, joint in enumerate(arm.joints):
         if joint.moves and joint.name not in {gear.output for gear in arm.gears}:
             reach = sweep if joint.type == "revolute" else 0.15 * size
-            moved = np.repeat(angles, len(time), axis=0)
-            moved[:, i] += reach * np.sin(2 * np.pi * time / sweep_seconds)
-            moved = _closed(arm, moved[:, i], joint.name) if joint.name in looped else _geared(arm, moved)
+            sine = np.sin(2 * np.pi * time / sweep_seconds)
+            if joint.name in looped:
+                moved, reach = _swept(arm, joint.name, float(angles[0, i]), reach * sine, joints or {})
+            else:
+                moved = np.repeat(angles, len(time), axis=0)
+                moved[:, i] += reach * sine
+                moved = _geared(arm, moved)
             text = f"{joint.name} moved by {with_unit(reach, 'rad' if joint.type == 'revolute' else 'm')}"
             if len(moved):
                 clips.append(Clip(joint.name, time, skeleton.rigid(moved), text, loops=True))
@@ -315,12 +319,22 @@ def _geared(arm: Arm, angles: Floats) -> Floats:
     return np.array(rows)
 
 
-def _closed(arm: Arm, angles: Floats, joint: str) -> Floats:
-    """Return joint values while a joint of a loop moves and others follow; none if it cannot move so far."""
-    try:
-        return np.array([at_rest(arm, {joint: float(angle)})[0] for angle in angles])
-    except InvalidParameter:
-        return np.zeros((0, len(arm.joints)))
+def _swept(
+    arm: Arm, joint: str, middle: float, sweep: Floats, joints: Mapping[str, float]
+) -> tuple[Floats, float]:
+    """Return joint values while a joint of a loop moves and others of it follow, and how far it moves.
+
+    Stated joints of other loops stay. The sweep is halved until the loop closes; no values if it never does.
+    """
+    held = {name: at for name, at in joints.items() if not any({name, joint} <= loop for loop in loops(arm))}
+    for _ in range(5):
+        try:
+            found = [at_rest(arm, {**held, joint: middle + float(moved)})[0] for moved in sweep]
+        except InvalidParameter:
+            sweep = sweep / 2
+            continue
+        return np.array(found), float(np.abs(sweep).max())
+    return np.zeros((0, len(arm.joints))), 0.0
 
 
 def _size(x: Floats) -> float:

@@ -16,7 +16,7 @@ from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.result import Diagnosis
 from flexarm.errors import InvalidParameter
 from flexarm.modal import Modes
-from flexarm.output import refuse_existing, write_file
+from flexarm.output import PAGES, refuse_existing, refuse_suffix, write_file
 from flexarm.record import Record
 from flexarm.simulation import Simulation
 from flexarm.solids import SolidMesh
@@ -60,8 +60,9 @@ class View:
         Raises
         ------
         InvalidFile
-            If the file exists and `force` is not set, or cannot be written.
+            If its name is not that of a page, it exists and `force` is not set, or it cannot be written.
         """
+        refuse_suffix(Path(path), PAGES)
         refuse_existing(Path(path), force, inputs)
         write_file(path, self.html)
 
