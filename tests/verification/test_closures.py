@@ -236,6 +236,8 @@ def test_more_drives_than_the_loop_has_freedoms_are_refused():
     """A crane has one freedom."""
     with pytest.raises(InvalidParameter, match=r"driven joints \(boom_pin, piston\)"):
         flexarm.static(loops.crane(), {"piston": 0.4, "boom_pin": boom_angle(0.4)})
+    with pytest.raises(InvalidParameter, match=r"apart at the nearest; 2 joints .* given where 1 suffices"):
+        flexarm.static(loops.crane(), {"piston": 0.4, "boom_pin": boom_angle(0.4) + 0.1})
 
 
 @pytest.mark.parametrize(

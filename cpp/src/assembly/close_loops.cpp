@@ -206,8 +206,19 @@ void System::refuse(const std::vector<double>& nearest, const std::vector<int>& 
     std::snprintf(gap, sizeof gap, " and %.3g rad", misclosures[worst].angle);
     text += gap;
   }
-  throw InvalidParameter("closure '" + closures_.name(worst) + "' cannot be closed" + held + ": " + text +
-                         " apart at the nearest");
+  text += " apart at the nearest";
+  std::vector<int> joints;
+  for (std::size_t j = 0; j < in_loop_.size(); ++j) {
+    if (in_loop_[j] && joint_coordinates_[j].phi >= 0) joints.push_back(static_cast<int>(j));
+  }
+  const auto free =
+      static_cast<Eigen::Index>(joints.size()) - dense::rank(loop_jacobian(nearest, joints), rank_tolerance);
+  const auto driven = static_cast<Eigen::Index>(joints.size() - unknowns.size());
+  if (driven > free) {
+    text += "; " + std::to_string(driven) + " joints of the loops are given where " + std::to_string(free) +
+            (free == 1 ? " suffices" : " suffice");
+  }
+  throw InvalidParameter("closure '" + closures_.name(worst) + "' cannot be closed" + held + ": " + text);
 }
 
 /// Orthonormal combinations of the closures' rows that the other constraints hold already. @param all_joints
