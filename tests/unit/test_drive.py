@@ -1,6 +1,7 @@
 """Claims about drives: splines through samples, held outside, read from CSV."""
 
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -206,3 +207,13 @@ def test_a_drive_is_drawn_with_its_unit():
     assert values == pytest.approx(cubic(np.asarray(time)), abs=1e-12)
     pulled = Drive.from_samples(T, {"hinge": cubic(T)}, side="torque").plot()
     assert pulled.get_ylabel() == "torque [N m, N if prismatic]"
+
+
+@pytest.mark.parametrize(("highest", "said"), [(0.7, []), (0.9, ["column piston"])])
+def test_a_cylinder_that_is_driven_beyond_its_stroke_is_doubted(highest, said):
+    """The telescopic crane of the examples has a stroke of 0.8 m."""
+    arm = flexarm.Arm.from_toml(Path(__file__).parents[2] / "examples" / "telescopic_crane.toml")
+    samples = {"piston": np.linspace(0.3, highest, 5)}
+    drive = Drive.from_samples(np.linspace(0.0, 4.0, 5), samples)
+    found = [problem for problem in doubts(drive, arm) if "travels from 0 to 0.8 m" in problem.what]
+    assert [problem.where for problem in found] == said

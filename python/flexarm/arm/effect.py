@@ -151,6 +151,11 @@ class Effect(EffectTraits):
         """Return True if it leaves any model as it is, such as a spring that is rigid."""
         return False
 
+    @property
+    def travel(self) -> tuple[float, float]:
+        """Return the range [rad, m] within which its place can be driven."""
+        return -inf, inf
+
     @classmethod
     def acts_through_spring(cls) -> bool:
         """Return True if it moves nothing in a joint that is rigid, where a drive turns that."""

@@ -4,16 +4,19 @@ Each limit is beyond what has been built, so that it doubts a typing error and n
 
     length        `LONGEST`: concrete pumps reach some 100 m in several sections, the Space Station's arm 18 m
     sag           g rho A L^4/(8 E I) of a beam clamped level, over L: one that would hang down by more than
-    its length cannot be a link, whichever way it is clamped                        (1) modulus
-    `stiffest`: diamond has 1.2e12 Pa density       `densest`: osmium has 22 600 kg/m3 payload
-    `HEAVIEST` times the links: on Earth arms carry about their weight at most, in orbit the Space Station's
-    moves 116 t with 1.5 t, 77 times its own inertia       of a payload, as if its mass were `widest` times as
-    far from its centre as the arm reaches: kg mm2 or kg cm2 for kg m2 turn          of a joint's frame by
-    more than a turn: degrees for radians sensors       noise of a place a tenth of the reach of the arm, of
-    an angle 0.2 rad; rate beyond `quickest`, as strain gauges and IMUs are sampled at some ten kHz at most;
-    jitter of a stamp more than the time between samples; latency beyond `LATEST`: milliseconds meant
+                  its length cannot be a link, whichever way it is clamped                            (1)
+    modulus       `stiffest`: diamond has 1.2e12 Pa
+    density       `densest`: osmium has 22 600 kg/m3
+    payload       `HEAVIEST` times the links: on Earth arms carry about their weight at most, in orbit the
+                  Space Station's moves 116 t with 1.5 t, 77 times its own
+    inertia       of a payload, as if its mass were `widest` times as far from its centre as the arm reaches:
+                  kg mm2 or kg cm2 for kg m2
+    turn          of a joint's frame by more than a turn: degrees for radians
+    sensors       noise of a place a tenth of the reach of the arm, of an angle 0.2 rad; rate beyond
+                  `quickest`, as strain gauges and IMUs are sampled at some ten kHz at most; jitter of a stamp
+                  more than the time between samples; latency beyond `LATEST`: milliseconds meant
     uncertainty   1 sigma beyond the value itself, or, of a place, beyond the reach of the arm: values of no
-    meaning, such as negative masses, would be likely
+                  meaning, such as negative masses, would be likely
 
 (1), the sag of a cantilever in theory of small deflections, is that of the stiffer plane: a ruler that swings
 on edge is stiff against gravity. Limits of materials are of tables, those of machines of their makers' data.

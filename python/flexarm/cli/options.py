@@ -112,6 +112,7 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
     """
     from flexarm.arm.joint import shaft_ratio
     from flexarm.arm.sizes import LONGEST
+    from flexarm.drive.doubts import beyond_travel
 
     values = numbers_by_joint(arm, model, given, "--joint", "NAME=VALUE")
     for name, value in values.items():
@@ -121,6 +122,8 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
             warn(Path("command line"), [Problem(f"--joint {name}", what)])
         elif arm.joint(name).type == "prismatic" and abs(value) > LONGEST:
             what = f"{value:g} m are further than any arm reaches; lengths are in m, not in mm"
+            warn(Path("command line"), [Problem(f"--joint {name}", what)])
+        elif what := beyond_travel(arm, name, value, value):
             warn(Path("command line"), [Problem(f"--joint {name}", what)])
     return values
 

@@ -1,4 +1,4 @@
-"""Plausibility of a drive in a CSV file: degrees, angles of motors, milliseconds, controllers at rest."""
+"""Plausibility of drives: degrees, angles of motors, strokes, milliseconds, controllers at rest."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ REMEDY = "write them in s"
 
 
 def doubts(drive: Drive, arm: Arm) -> Iterable[Problem]:
-    """Yield joints that turn several times, controllers that do not act, and runs of hours."""
+    """Yield joints that turn several times or leave their stroke, idle controllers, and runs of hours."""
     controlled = {controller.joint for controller in arm.controllers}
     for name, joint in drive.joints.items():
         most = float(np.max(np.abs(joint(joint.breaks)))) / shaft_ratio(name, arm.gears)
@@ -30,6 +30,9 @@ def doubts(drive: Drive, arm: Arm) -> Iterable[Problem]:
             turns = f"{most / (2 * pi):.1f} turns"
             doubt = "is it in degrees, or not yet divided by the ratio?"
             yield Problem(f"column {name}", f"reaches {most:g} rad, {turns}; {doubt}")
+        values = joint(joint.breaks)
+        if what := beyond_travel(arm, name, float(np.min(values)), float(np.max(values))):
+            yield Problem(f"column {name}", what)
         if name in controlled and joint.side == "motor":
             what = "moves the motor itself, so its controller does not act; a record with a joint_command as "
             yield Problem(f"column {name}", f"{what}drive lets it")
@@ -40,6 +43,17 @@ def doubts(drive: Drive, arm: Arm) -> Iterable[Problem]:
     span = next((span_of(joint.breaks) for joint in drive.joints.values()), None)
     if span is not None:
         yield from (Problem("column time_s", what) for what in implausible_duration(span, motions, REMEDY))
+
+
+def beyond_travel(arm: Arm, joint: str, lowest: float, highest: float) -> str:
+    """Return how far a drive leaves the travel of an effect at its joint; empty if it stays within."""
+    for effect in arm.effects:
+        low, high = effect.travel
+        if effect.at == joint and not low <= lowest <= highest <= high:
+            unit = "m" if slides(arm, joint) else "rad"
+            far = lowest if lowest < low else highest
+            return f"reaches {far:g} {unit}; its {effect.name} travels from {low:g} to {high:g} {unit}"
+    return ""
 
 
 def slides(arm: Arm, joint: str) -> bool:

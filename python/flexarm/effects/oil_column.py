@@ -52,6 +52,11 @@ class OilColumn(Effect):
     retracted: Number = value_in("rad", "drive where the piston is retracted", 0.0)
     damping: Number = value_in("N m s/rad", "damping of the column, by leakage and throttles", 0.0, ge=0)
 
+    @property
+    def travel(self) -> tuple[float, float]:
+        """Return where the piston is retracted, and where it is extended."""
+        return self.retracted, self.retracted + self.stroke
+
     def patch(self, machine: Machine) -> None:
         """Put the oil between the drive and what it moves, eq. (1)."""
         from flexarm import _core
