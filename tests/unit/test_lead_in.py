@@ -9,7 +9,7 @@ from arms import crane
 import flexarm
 from flexarm.arm.parameter import neighbours, parameters
 from flexarm.drive.joint_drive import JointDrive
-from flexarm.drive.lead_in import LEAD, jerked, led_in
+from flexarm.drive.lead_in import LEAD, led_in, with_pulse
 from flexarm.record import Record, Signal
 
 CUT, END = 5.0, 11.9
@@ -74,7 +74,7 @@ def test_noise_of_samples_that_are_joined_as_they_are_is_no_motion():
 @pytest.mark.parametrize("before", [0.0, 0.15])
 def test_a_jerk_is_as_high_as_asked_and_gone_before_the_record(before):
     led = led_in(JointDrive(np.array([0.0, 1.0]), np.array([[0.3], [0.1]])))
-    jerk = jerked(led, before, 0.4, 1e-3)
+    jerk = with_pulse(led, before, 0.4, 1e-3)
     t = np.linspace(-LEAD, 1.0, 20001)
     more = jerk(t) - led(t)
     assert more.max() == pytest.approx(1e-3, rel=1e-6)

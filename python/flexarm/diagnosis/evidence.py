@@ -103,7 +103,7 @@ class Evidence:
 
     def whitened(self, values: Floats, problem: Problem) -> Floats:
         """Return the root of C^-1 times values of shape (n, ...)."""
-        return by_channel(lambda each, rows: each.whitened(rows), values, problem, self.discrepancies)
+        return _whitened(values, problem, self.discrepancies)
 
     def with_error(self, v: Floats, c: float, problem: Problem) -> float:
         """Return the log likelihood where c v v^T adds to C (matrix determinant lemma)."""
@@ -113,10 +113,15 @@ class Evidence:
 
     def covariance_times(self, values: Floats, problem: Problem) -> Floats:
         """Return C times values of shape (n, ...)."""
-        return by_channel(lambda each, rows: each.times(rows), values, problem, self.discrepancies)
+        return _by_channel(lambda each, rows: each.times(rows), values, problem, self.discrepancies)
 
 
-def by_channel(
+def _whitened(values: Floats, problem: Problem, discrepancies: tuple[Discrepancy, ...]) -> Floats:
+    """Return the root of C^-1 times values of shape (n, ...)."""
+    return _by_channel(lambda each, rows: each.whitened(rows), values, problem, discrepancies)
+
+
+def _by_channel(
     product: Callable[[Discrepancy, Floats], Floats],
     values: Floats,
     problem: Problem,
@@ -149,23 +154,18 @@ def evidence_of(fit: Fit, problem: Problem) -> Evidence:
     n, k = len(problem), len(fit.z)
     discrepancies = discrepancies_of(fit.projected[:n], problem, fit.non_smooth)
     jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
-    weighed = by_channel(
-        lambda each, rows: each.whitened(rows),
-        np.column_stack([jacobian, fit.residual]),
-        problem,
-        discrepancies,
-    )
-    step = gls_step(fit, weighed[:, :-1], weighed[:, -1])
+    whitened = _whitened(np.column_stack([jacobian, fit.residual]), problem, discrepancies)
+    step = gls_step(fit, whitened[:, :-1], whitened[:, -1])
     left = fit.projected[:n] + jacobian @ step
     pulls = fit.projected[n:] + step[k:] / fit.projection.sigma
-    white = by_channel(lambda each, rows: each.whitened(rows), left, problem, discrepancies)
+    white = _whitened(left, problem, discrepancies)
     determinant = sum(each.log_determinant - 2 * each.log_prior for each in discrepancies)
     found = Evidence(
         discrepancies,
         left,
         -(float(white @ white) + determinant) / 2,
         float(pulls @ pulls) / 2,
-        occam(fit, weighed[:, :-1], fit.z + step[:k]),
+        occam(fit, whitened[:, :-1], fit.z + step[:k]),
     )
     problem.evidence[fit] = (problem.rows, found)
     return found

@@ -79,7 +79,7 @@ def initial_condition_jacobian(
         finer.write_residual(
             after,
             initial_conditions[k].record,
-            finer.simulations.jerked(initial_conditions[k], arm, NOISE_MODEL.jerk_step),
+            finer.simulations.with_pulse(initial_conditions[k], arm, NOISE_MODEL.jerk_step),
         )
         found[:, k] = (after - before) / NOISE_MODEL.jerk_step  # eq. (1)
     return found

@@ -19,7 +19,7 @@ from flexarm.comparison.free_vibration import rings_freely, simulate_free_vibrat
 from flexarm.comparison.poses import FORCES, pair_poses, solve_poses, with_turned
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive, JointDrive
-from flexarm.drive.lead_in import jerked
+from flexarm.drive.lead_in import with_pulse
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record
 
@@ -153,10 +153,10 @@ class SimulationCache:
             return self._paired(simulate_free_vibration(arm, record, self.step), name, arm)
         return self._paired(self._along(self.drive(name, arm), name, arm, rotations), name, arm)
 
-    def jerked(self, start: InitialCondition, arm: Arm, height: float) -> SimulatedRecord:
+    def with_pulse(self, start: InitialCondition, arm: Arm, height: float) -> SimulatedRecord:
         """Return the simulation of a record after a jerk of a drive."""
         drive = self.drive(start.record, self.records[start.record].applied_to(arm)).joints[start.joint]
-        jerk = jerked(drive, start.before, start.width, height)
+        jerk = with_pulse(drive, start.before, start.width, height)
         return self.driven(start.record, arm, {start.joint: jerk})
 
     def driven(self, name: str, arm: Arm, joints: Mapping[str, JointDrive]) -> SimulatedRecord:

@@ -9,8 +9,8 @@ begin,
 with t from the beginning of that rise; the angle is its integral that ends at the first sample. Rate and
 acceleration are continuous: what the rise leaves ringing is of the order of 6 v/(omega^3 T^2). A first rate
 or acceleration far beyond the usual ones of the first second is noise of samples that are joined as they are;
-those of the cubic that fits this second best take its place. The arm arrives from where it must have come:
-teeth on the flank, friction in the sense of its motion.
+those of the cubic that fits this second best take its place. Backlash and friction start in the state that
+this motion leaves.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def _before(drive: JointDrive, starts: Sequence[float], pieces: Sequence[Polynom
     return replace(drive, breaks=breaks, coefficients=np.column_stack([*columns, padded]))
 
 
-def jerked(drive: JointDrive, before: float, width: float, height: float) -> JointDrive:
+def with_pulse(drive: JointDrive, before: float, width: float, height: float) -> JointDrive:
     r"""Return a motion with lead-in and a pulse in its rise,
 
     .. math:: 64 \, h \, s^3 (1 - s)^3, \quad 0 \le s \le 1,                                          (2)
@@ -72,14 +72,14 @@ def jerked(drive: JointDrive, before: float, width: float, height: float) -> Joi
     k = int(np.argmin(np.abs(drive.breaks - drive.breaks[0] - LEAD)))  # the first sample
     last = drive.breaks[k] - before
     s = Polynomial([0.0, 1.0 / width])
-    jerk = 64 * height * (s * (1 - s)) ** 3  # eq. (2)
+    pulse = 64 * height * (s * (1 - s)) ** 3  # eq. (2)
     starts = sorted({*drive.breaks[:k].tolist(), last - width, *([last] if before > 0 else [])})
     pieces = []
     for start in starts:
         i = int(np.searchsorted(drive.breaks, start, side="right")) - 1
         piece = Polynomial(drive.coefficients[::-1, i])(Polynomial([start - drive.breaks[i], 1.0]))
-        lasts = last - width <= start < last
-        pieces.append(piece + jerk(Polynomial([start - (last - width), 1.0])) if lasts else piece)
+        inside = last - width <= start < last
+        pieces.append(piece + pulse(Polynomial([start - (last - width), 1.0])) if inside else piece)
     return _before(
         replace(drive, breaks=drive.breaks[k:], coefficients=drive.coefficients[:, k:]), starts, pieces
     )

@@ -53,7 +53,7 @@ class DriveLag(DriveEffect):
         stated: Effect | None,
         least: float,
     ) -> dict[str, float]:
-        """Return how late the multiples are in all, in equal parts where one of them would be negative.
+        """Return start values; split the total lag equally where a multiple is negative.
 
         To first order only the sum of delay and time constant is seen.
         """

@@ -70,7 +70,7 @@ def test_columns_are_in_proportion(problem):
     finer = problem.with_step(problem.step / NOISE_MODEL.jerk_finer)
     high = finer.residual(problem.arm).copy()
     finer.write_residual(
-        high, "late", finer.simulations.jerked(start, problem.arm, 20 * NOISE_MODEL.jerk_step)
+        high, "late", finer.simulations.with_pulse(start, problem.arm, 20 * NOISE_MODEL.jerk_step)
     )
     move = (high - finer.residual(problem.arm)) / (20 * NOISE_MODEL.jerk_step)
     assert np.linalg.norm(move - column) < 1e-3 * np.linalg.norm(column)
