@@ -1,6 +1,7 @@
 """Families: one effect at all places of a kind, as one hypothesis with a hierarchical prior.
 
-Eqs. (1) to (3) are those of `diagnosis.family`; tau_0 and nu are `family_spread` and `family_count`.
+Eqs. (1) to (3) are those of `diagnosis.hierarchical_prior`; tau_0 and nu are `family_spread` and
+`family_count`.
 """
 
 from __future__ import annotations

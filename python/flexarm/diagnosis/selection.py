@@ -10,9 +10,10 @@ that comes out ahead takes it, and may make others needless.
 **Ranking.** Larger models are compared pairwise by evidence: compared with the smaller model all of them
 differ by the whole gap, and the error of the simulation (eq. (3) of `evidence`) would hide their differences.
 Where all leave gaps, evidence rests on the size and correlation of an unknown remainder. It then decides only
-among models that predict left-out data about as well as the best one, by eq. (5) of `evidence`, and are as
-plausible, by eq. (6) of `acceptance`. A model that leaves a gap and removes too little of it ranks behind.
-When the time is over, evidence alone decides: unfinished fits predict badly and pull nuisance parameters.
+among models that predict left-out data about as well as the best one, by eq. (2) of `cross_validation`, and
+are as plausible, by eq. (6) of `acceptance`. A model that leaves a gap and removes too little of it ranks
+behind. When the time is over, evidence alone decides: unfinished fits predict badly and pull nuisance
+parameters.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The updated model is the nominal one with refined values and the effects that were found. Effects that explain
 all are kept. Where a gap is left, they are kept if they halve the cross-validated residual, or predict each
-part of the training from the others (`diagnosis.evidence`).
+part of the training from the others (`diagnosis.cross_validation`).
 """
 
 from __future__ import annotations

@@ -81,7 +81,8 @@ def hidden(arm: Arm, effect: Effect, seen: float) -> str:
     A torque on a joint that cannot give way is taken by the drive.
     """
     sprung = any(each.is_spring for each in arm.effects_at(effect.at))
-    if effect.torque_at is not None and seen < DESIGN.nothing and not sprung:
+    driven = effect.at not in {closure.name for closure in arm.closures}
+    if effect.torque_at is not None and seen < DESIGN.nothing and driven and not sprung:
         return f"{effect.at} is rigid in the model: its drive takes the torque, which no sensor shows"
     if not seen > 0:
         return "it moves nothing that is measured"
