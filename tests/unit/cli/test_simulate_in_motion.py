@@ -87,7 +87,10 @@ def test_where_nothing_is_driven_times_alone_will_do():
     [
         (("held.csv", "--rate", "x=1"), "--rate: the drive moves 'x' from its first row on; allowed are"),
         (("held.csv", "--joint", "x=1"), "--joint: the drive moves 'x'"),
-        (("held.csv", "--rate", "q"), "--rate: must be NAME=RATE such as x=0.5, got 'q'"),
+        (
+            ("held.csv", "--rate", "q"),
+            "--rate: must be NAME=RATE with a plain number in SI units, such as x=0.5, got 'q'",
+        ),
         (("held.csv", "--rate", "r=1"), "--rate: there is no moving joint 'r'"),
         (("free.csv",), "free.csv: header: drives no joint"),
     ],

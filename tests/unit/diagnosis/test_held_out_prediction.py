@@ -9,7 +9,7 @@ from planted import two_joints
 from posed import posed, poses
 
 import flexarm
-from flexarm.diagnosis.held_out_gap import TIMES, HeldOutGap, adequate_if_predicted
+from flexarm.diagnosis.held_out_gap import HELD_OUT_RATIO, HeldOutGap, adequate_if_predicted
 from flexarm.effects import JointCompliance
 from flexarm.report.diagnosis import write
 from flexarm.report.sentences import unpredicted_sentence
@@ -100,8 +100,8 @@ def test_no_model_is_adequate_that_does_not_predict_another_machine():
 
 def test_a_record_without_noise_is_predicted_up_to_the_error_of_simulations():
     """Nanometres are no gap, though the training is left with less."""
-    assert HeldOutGap("other", "tip", "m", 3e-8, None, 1e-9).ratio < TIMES
-    assert HeldOutGap("other", "tip", "m", 3e-5, None, 1e-9).ratio > TIMES
+    assert HeldOutGap("other", "tip", "m", 3e-8, None, 1e-9).ratio < HELD_OUT_RATIO
+    assert HeldOutGap("other", "tip", "m", 3e-5, None, 1e-9).ratio > HELD_OUT_RATIO
 
 
 @pytest.mark.parametrize(("swings", "verdict"), [(False, "unexplained"), (True, "adequate")])

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from flexarm.budget import limited
-from flexarm.diagnosis import alternatives, selection
-from flexarm.diagnosis import evidence as left_out
+from flexarm.diagnosis import alternatives, cross_validation, selection
 from flexarm.diagnosis.acceptance import Criteria, implausibility
 from flexarm.diagnosis.policy import SelectionPolicy
 
@@ -41,8 +40,8 @@ def made_up(monkeypatch):
         monkeypatch.setattr(
             module, "log_bayes_factor", lambda one, other, problem: one.evidence - other.evidence
         )
-    monkeypatch.setattr(left_out, "press_rms", lambda fit, problem: fit.press_rms)
-    monkeypatch.setattr(left_out, "folds", lambda problem: range(24))
+    monkeypatch.setattr(cross_validation, "press_rms", lambda fit, problem: fit.press_rms)
+    monkeypatch.setattr(cross_validation, "folds", lambda problem: range(24))
     monkeypatch.setattr(selection, "implausibility", lambda fit: fit.odd)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda self, fit: fit.gap)
     monkeypatch.setattr(Criteria, "reduces", lambda self, new, old: new.cost < 0.97 * old.cost)
