@@ -43,8 +43,9 @@ class Budget:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Return a sentence on what was left out; none if all was done."""
-        done = f"{BUDGET} {self.seconds:g} s ended before {', '.join(self.left_out)}"
-        return (done,) if self.left_out else ()
+        *others, last = self.left_out or [""]
+        work = f"{', '.join(others)} and {last}" if others else last
+        return (f"{BUDGET} {self.seconds:g} s ended before {work}",) if last else ()
 
 
 CURRENT: ContextVar[Budget] = ContextVar("budget")

@@ -22,7 +22,7 @@ def test_what_no_time_is_left_for_is_told_once():
         assert not allows("the second")
         assert not allows("the first step")
         assert current() is budget
-    assert budget.remarks == ("the budget of 1e-09 s ended before the first step, the second",)
+    assert budget.remarks == ("the budget of 1e-09 s ended before the first step and the second",)
     assert allows("anything")
 
 
