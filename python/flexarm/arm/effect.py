@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self, Type
 from pydantic import Field, ValidationError
 
 from flexarm.arm.effect_traits import EffectTraits
+from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import QUANTILE, Prior, Priors, Values
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.errors import InvalidParameter
@@ -179,7 +180,7 @@ class Effect(EffectTraits):
         values: dict[str, Any] = {}
         for _ in range(2):  # some typical values follow from others
             values = {}
-            for key, prior in effect.priors(arm).items():
+            for key, prior in priors_in(effect, arm).items():
                 name, _, axis = key.partition(".")
                 values[name] = [*values.get(name, ()), prior.typical] if axis else prior.typical
             effect = cls.model_construct(at=at, **values)

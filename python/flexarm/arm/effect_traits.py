@@ -72,6 +72,8 @@ class EffectTraits(Table):
     """True if it moves nothing, to first order, in an arm that moves in a plane and is symmetric to it."""
     always_turns: ClassVar[bool] = False
     """True if its angles and moments are such at a joint that slides, too."""
+    priors_along: ClassVar[bool] = False
+    """True if the numbers of its priors hold for a joint that slides as they are."""
 
     varies_with: ClassVar[Literal["angle", "rate", "torque", "time"]] = "angle"
     """State of a joint against which a figure shows its law best."""

@@ -1,4 +1,8 @@
-"""Units of effects where they act: metres for radians, newtons for newton metres where a joint slides."""
+"""Units and plausible sizes of effects where a joint slides: metres for radians, newtons for newton metres.
+
+Priors are stated for joints that turn. A joint that slides has those of one that turns a pinion of radius r:
+with the angle x/r and the torque F r a stiffness is 1/r^2 times that of the pinion, a clearance r times.
+"""
 
 from __future__ import annotations
 
@@ -23,6 +27,10 @@ ALONG = {
     "m3/rad": "m2",
 }
 """Units along a prismatic joint by those about a revolute one."""
+PINION = 0.1
+"""Radius r of the pinion [m]: rates at bearings are stated at radii of some 0.1 m, too."""
+POWERS = {"rad": 1, "rad/s": 1, "N m": -1, "N m/rad": -2, "N m/rad3": -4, "N m s/rad": -2}
+"""Powers of r by which a quantity about a revolute joint becomes that along a prismatic one."""
 
 
 def unit_at(effect: Effect, arm: Arm, parameter: str, unit: str) -> str:
@@ -36,12 +44,43 @@ def parameters_in(effect: Effect, arm: Arm) -> list[tuple[str, float, str]]:
     return [(name, value, unit_at(effect, arm, name, unit)) for name, value, unit in effect.parameters()]
 
 
+def along(effect: Effect, arm: Arm, parameter: str, unit: str) -> float:
+    """Return the factor that makes a plausible number about a joint one where the effect acts in an arm."""
+    slides = not effect.priors_along and unit_at(effect, arm, parameter, unit) != unit
+    return PINION ** POWERS.get(unit, 0) if slides else 1.0
+
+
 def priors_in(effect: Effect, arm: Arm) -> dict[str, Prior]:
     """Return what is plausible of an effect, in the units of its place in an arm."""
-    return {
-        name: replace(prior, unit=unit_at(effect, arm, name, prior.unit))
-        for name, prior in effect.priors(arm).items()
+    found = {}
+    for name, prior in _on_pinion(effect, arm).priors(_with_pinion(arm, effect.at)).items():
+        times, unit = along(effect, arm, name, prior.unit), unit_at(effect, arm, name, prior.unit)
+        low, typical, high = (times * value for value in (prior.low, prior.typical, prior.high))
+        found[name] = replace(prior, low=low, typical=typical, high=high, unit=unit)
+    return found
+
+
+def _on_pinion(effect: Effect, arm: Arm) -> Effect:
+    """Return an effect with the numbers that it has about a pinion, if its joint slides."""
+    changed = {
+        name: value / times
+        for name, value, unit in effect.parameters()
+        if name in type(effect).model_fields and (times := along(effect, arm, name, unit)) != 1.0
     }
+    return effect.model_copy(update=changed) if changed else effect
+
+
+def _with_pinion(arm: Arm, at: str) -> Arm:
+    """Return as much of an arm as priors ask for, in which a joint that slides turns a pinion."""
+    if not any(joint.name == at and joint.type == "prismatic" for joint in arm.joints):
+        return arm
+    joints = [
+        joint.replace(type="revolute", gear_ratio=PINION * joint.gear_ratio) if joint.name == at else joint
+        for joint in arm.joints
+    ]
+    effects = [_on_pinion(effect, arm) for effect in arm.effects_at(at)]
+    rest: dict[str, object] = dict.fromkeys(("sensors", "controllers", "gears", "closures"), ())
+    return arm.replace(joints=tuple(joints), effects=tuple(effects), uncertainty={}, assembly={}, **rest)
 
 
 def units_by_joint(arm: Arm, joints: Sequence[str], unit: str) -> str:

@@ -14,7 +14,7 @@ from math import isinf
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.effect import Effect
-from flexarm.arm.joint_units import unit_at
+from flexarm.arm.joint_units import priors_in, unit_at
 from flexarm.arm.link import Beam
 from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import InvalidParameter
@@ -232,7 +232,7 @@ def _size(arm: Arm, parameter: Parameter, path: Path) -> float:
     if parameter.value != 0:
         return abs(parameter.value)
     if isinstance(owner, Effect):
-        prior = owner.priors(arm).get(parameter.key.split(".", 3)[3])
+        prior = priors_in(owner, arm).get(parameter.key.split(".", 3)[3])
         if prior is not None and prior.typical != 0:
             return abs(prior.typical)
         if prior is not None:

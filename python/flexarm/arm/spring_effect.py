@@ -17,7 +17,7 @@ from pydantic import BeforeValidator, model_validator
 
 from flexarm.arm.arm import Arm
 from flexarm.arm.effect import Effect, Trial
-from flexarm.arm.joint_units import priors_in
+from flexarm.arm.joint_units import along, priors_in
 from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.arm.rotation import Vector
 from flexarm.tables import Inconsistent, Number, Vector2, to_python
@@ -122,8 +122,8 @@ class SpringEffect(Effect):
         }
 
     def first_stiffness(self, arm: Arm) -> float:
-        """Return the stiffness [N m/rad] that a search begins with where the model states none."""
-        return self.typical_stiffness
+        """Return the stiffness [N m/rad, N/m] that a search begins with where the model states none."""
+        return self.typical_stiffness * along(self, arm, "stiffness", "N m/rad")
 
     def trials(
         self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]

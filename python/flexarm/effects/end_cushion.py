@@ -36,6 +36,7 @@ class EndCushion(Effect):
 
     name = "end_cushion"
     stated_only = True
+    priors_along = True
     torque_at = "output"
     at_closures = PINNED
     smooth = False

@@ -41,6 +41,7 @@ class OilColumn(Effect):
     softer: ClassVar[float] = 1.5
     """Factor by which the oil is probed softer than stated."""
     stated_only = True
+    priors_along = True
     shape = ("damping",)
     in_motion = ("damping",)
     varies_with = "torque"

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from flexarm.arm.joint_units import units_by_joint
 from flexarm.arrays import Floats
 from flexarm.law_curve import LawCurve
 from flexarm.missing_law.latent import Latent
@@ -52,12 +53,15 @@ def _numbers(values: Floats) -> tuple[float, ...]:
 
 def curve_of_law(latent: Latent, search: LawSearch, law: Law, policy: LawPolicy) -> LawCurve:
     """Return a law about the latent motion as data; its probability is 1."""
+    assert latent.response is not None
+    joint = (latent.response.joint,)
+    of_unit = OF_UNITS[law.of]  # the motor turns, whatever it moves
     curve = LawCurve(
         latent.at,
         latent.quantity,
         law.of,
         latent.unit,
-        OF_UNITS[law.of],
+        of_unit if law.of == "motor_angle" else units_by_joint(latent.response.arm, joint, of_unit),
         x=(),
         value=(),
         low90=(),
@@ -142,16 +146,17 @@ def as_torque(law: LawCurve, stiffness: float) -> LawCurve:
 
     says = law.says.split("; it spans")[0]
     windup, torque = (HAS[each].format(law.at) for each in ("windup", "torque"))
+    unit = "N" if law.unit == "m" else "N m"
     says = says.replace(windup, torque)
     return replace(
         law,
         quantity="torque",
-        unit="N m",
+        unit=unit,
         value=times(law.value),
         low90=times(law.high90),
         high90=times(law.low90),
         cloud_value=times(law.cloud_value),
-        says=f"{says.split(': ')[0]}; it spans {with_unit(stiffness * float(np.ptp(law.value)), 'N m', 3)}",
+        says=f"{says.split(': ')[0]}; it spans {with_unit(stiffness * float(np.ptp(law.value)), unit, 3)}",
     )
 
 

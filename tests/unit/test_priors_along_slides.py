@@ -1,0 +1,68 @@
+"""What is plausible of a joint that slides is what is plausible of one that turns a pinion."""
+
+import pytest
+from arms import hinge, rigid
+from pytest import approx
+
+from flexarm import Arm
+from flexarm.arm.effect import effect_class
+from flexarm.arm.joint_units import PINION, priors_in
+from flexarm.arm.motor_limits import stall_torque
+from flexarm.effects import JointCompliance, JointStiffening, MotorFriction, OilColumn
+
+POWERS = {"m": 1, "m/s": 1, "N": -1, "N/m": -2, "N/m3": -4, "N s/m": -2}
+JOINT_LAWS = (
+    "backlash",
+    "cable_torque",
+    "coulomb_friction",
+    "joint_compliance",
+    "joint_hysteresis",
+    "joint_stiffening",
+    "lugre_friction",
+    "motor_friction",
+    "transmission_error",
+    "viscous_friction",
+)
+
+
+def machine(kind: str, ratio: float = 1.0, **tables) -> Arm:
+    joint = {**hinge("axis", "rod"), "type": kind, "gear_ratio": ratio}
+    return Arm.from_dict({"joints": [joint], "links": [rigid("rod", 4, [0, 0, 1], [0, 2, 2])], **tables})
+
+
+TURNS, SLIDES = machine("revolute"), machine("prismatic")
+
+
+@pytest.mark.parametrize("name", JOINT_LAWS)
+def test_every_number_goes_with_the_power_of_the_lever_that_its_unit_has(name):
+    kind = effect_class(name)
+    about, along = (priors_in(kind.typical("axis", arm), arm) for arm in (TURNS, SLIDES))
+    assert about.keys() == along.keys()
+    for key, prior in along.items():
+        times = PINION ** POWERS.get(prior.unit, 0)
+        for number in ("low", "typical", "high"):
+            assert getattr(prior, number) == approx(times * getattr(about[key], number)), key
+
+
+def test_a_search_begins_with_a_spring_as_stiff_as_slides_are():
+    spring = JointCompliance(at="axis")
+    assert spring.first_stiffness(TURNS) == 1e5
+    assert spring.first_stiffness(SLIDES) == approx(1e7)
+
+
+def test_what_follows_from_a_stated_spring_or_motor_keeps_to_it():
+    """Damping and cubic stiffness go with the stiffness in N/m, friction with what the motor overcomes."""
+    spring = JointCompliance(at="axis", stiffness=4e6)
+    assert priors_in(spring, SLIDES)["damping"].typical == approx(2e-3 * 4e6)
+    (bending,) = priors_in(JointStiffening(at="axis"), SLIDES.with_effect(spring)).values()
+    assert bending.typical == approx(0.5 * 4e6 / (3 * (1e-3 * PINION) ** 2))
+    motor = {"joint": "axis", "resistance": 2.0, "torque_constant": 0.05, "voltage_limit": 12.0}
+    control = {"type": "state_feedback", "joint": "axis", "position_gain": 1.0, "sample_time": 4e-3}
+    weak = machine("prismatic", 300.0, motors=[motor], controllers=[control])
+    assert priors_in(MotorFriction(at="axis"), weak)["coulomb"].high == approx(stall_torque(weak, "axis"))
+
+
+def test_cylinders_are_stated_in_their_own_numbers():
+    oil = OilColumn(at="axis", bulk_modulus=1.2e9, piston_area=1e-2, dead_volume=1e-3, stroke=1.0)
+    about, along = (priors_in(oil, arm)["piston_area"] for arm in (TURNS, SLIDES))
+    assert (along.low, along.high, along.unit) == (about.low, about.high, "m2")
