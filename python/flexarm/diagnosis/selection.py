@@ -57,11 +57,10 @@ def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Crite
         limit = criteria.early_stop([first], criteria.null, criteria.policy.halfway / 2)
         near = [f for f in others if f.cost < limit]
         near = sorted(near, key=lambda f: press_rms(f, problem))
-        found: dict[object, Fit] = {}
-        for fit in near:  # effects of pins once: pins at both ends of a cylinder give way alike
-            at_pins = any(member.effect.pins_of_loops_only for member in fit.members)
-            found.setdefault(tuple(member.name for member in fit.members) if at_pins else id(fit), fit)
-        close = list(found.values())[:2]
+        close: list[Fit] = []
+        for fit in near:  # pins at both ends of a cylinder give way alike
+            if len(close) < 2 and not any(_alike(fit, other, criteria) for other in (first, *close)):
+                close.append(fit)
     else:
         reach = criteria.policy.close
         close = [f for f in others[:2] if log_bayes_factor(first, f, problem) < reach]
@@ -70,6 +69,13 @@ def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Crite
         there |= dict(_in_steps(fit, estimator) for fit in _unsettled(others, first, criteria))
     best = _ranked(list(there), old, criteria)[0]
     return refined_while_better(best, there[best])
+
+
+def _alike(one: Fit, other: Fit, criteria: Criteria) -> bool:
+    """Return True if two models leave the same residual."""
+    n = len(criteria.problem)  # the rest are pulls of nuisance parameters
+    left = other.projected[:n]
+    return bool(np.linalg.norm(one.projected[:n] - left) < criteria.policy.alike * np.linalg.norm(left))
 
 
 def _ranked(fits: Sequence[Fit], old: Fit, criteria: Criteria) -> list[Fit]:

@@ -35,6 +35,7 @@ from flexarm.arm.vocabulary import BASE
 from flexarm.arm.weight import weight_statement
 from flexarm.arrays import Floats
 from flexarm.budget import allows
+from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.diagnosis.problem import Problem
 from flexarm.effects.link_bow import LinkBow
 from flexarm.effects.tabulated_law import directions_across
@@ -120,6 +121,14 @@ def slow_motions(arm: Arm, policy: LawPolicy) -> Iterator[SlowMotion]:
             yield SlowMotion(load.name, "force", f"along {_letter(axis)}", "N", mass * g, models, arm)
 
 
+def _shown(motion: SlowMotion, problem: Problem, policy: LawPolicy) -> float:
+    """Return by how much a large one moves the residual; zero if it would open a rigid loop."""
+    try:
+        return float(np.linalg.norm(motion.size * motion.slopes(problem, policy)))
+    except FIT_ERRORS:
+        return 0.0
+
+
 def _rotation(arm: Arm, at: str, axis: Floats, sides: Sequence[Arm], turn: float) -> SlowMotion:
     return SlowMotion(at, "rotation", f"about {_letter(axis)}", "rad", 1.0, _difference(sides, turn), arm)
 
@@ -141,7 +150,7 @@ def slow_places(problem: Problem, arm: Arm, policy: LawPolicy) -> Iterator[list[
             return
         directions = list(group)
         problem.with_step(policy.response_step).prepare(m for each in directions for _, m in each.models)
-        shown = [float(np.linalg.norm(each.size * each.slopes(problem, policy))) for each in directions]
+        shown = [_shown(each, problem, policy) for each in directions]
         if at == BASE:
             least = max(policy.least_mode * max(shown), least)
         if found := [each for each, size in zip(directions, shown, strict=True) if size > least]:

@@ -22,7 +22,7 @@ class Made:
     evidence: float = 0.0
     gap: bool = True
     odd: float = 0.0
-    projected: None = None
+    left: tuple[float, ...] = (0.0, 0.0)
 
     @property
     def places(self):
@@ -30,8 +30,11 @@ class Made:
 
     @property
     def members(self):
-        effect = SimpleNamespace(pins_of_loops_only=False)
-        return (SimpleNamespace(place=self.places[0], acting_as=lambda other: None, effect=effect),)
+        return (SimpleNamespace(place=self.places[0], acting_as=lambda other: None),)
+
+    @property
+    def projected(self):
+        return np.array(self.left)
 
 
 @pytest.fixture(autouse=True)
@@ -48,7 +51,16 @@ def made_up(monkeypatch):
 
 
 NULL = Made("nothing", cost=100.0, press_rms=10.0)
-OBSERVED = SimpleNamespace(policy=SelectionPolicy())
+
+
+class Observed(SimpleNamespace):
+    """As much of a problem: two rows."""
+
+    def __len__(self):
+        return 2
+
+
+OBSERVED = Observed(policy=SelectionPolicy())
 CRITERIA = Criteria(OBSERVED, NULL)
 
 
@@ -137,16 +149,26 @@ def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
 
 
 def test_beside_a_gap_only_what_explains_about_as_much_is_taken_anew(monkeypatch):
-    """Of 100 the first leaves 40: what leaves more than (1 + 1/10) 40 + (100 - 40)/4 = 59 stays as it is."""
+    """Of 100 the first leaves 40: what leaves more than (1 + 1/10) 40 + (100 - 40)/4 = 59 stays as it is.
+
+    So does what leaves the same, to a tenth, as another one that is taken anew.
+    """
     anew = []
     monkeypatch.setattr(
         selection, "relinearised", lambda fit, estimator: (anew.append(fit.name) or fit, estimator)
     )
     monkeypatch.setattr(selection, "refined_while_better", lambda fit, about: (fit, about))
     monkeypatch.setattr(selection, "press_rms", lambda fit, problem: fit.press_rms)
-    fits = [Made("first", 40.0, 4.0), Made("near", 58.0, 6.0), Made("far", 60.0, 6.0)]
+    fits = [
+        Made("first", 40.0, 4.0, left=(1.0, 0.0)),
+        Made("as the first", 41.0, 5.0, left=(1.0, 0.05)),
+        Made("near", 58.0, 6.0, left=(0.0, 1.0)),
+        Made("as the near one", 58.0, 6.1, left=(0.05, 1.0)),
+        Made("another", 58.0, 6.2, left=(1.0, 1.0)),
+        Made("far", 60.0, 6.0, left=(-1.0, 1.0)),
+    ]
     selection.best_of(SimpleNamespace(problem=OBSERVED), fits, NULL, CRITERIA)
-    assert anew == ["first", "near"]
+    assert anew == ["first", "near", "another"]
 
 
 def test_what_came_close_on_the_way_is_a_rival():
