@@ -22,7 +22,7 @@ from flexarm.campaigns.plan import Plan, planned, refuse_other
 from flexarm.campaigns.progress import Tally, Tell, resumable
 from flexarm.campaigns.results import write_results
 from flexarm.campaigns.store import RESULTS, Store, refuse_gaps
-from flexarm.campaigns.task_size import LONG_RUN, alone, seconds_of_a_run, task_size
+from flexarm.campaigns.task_size import alone, seconds_of_a_run, task_size
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.output import growing_directory, writing
@@ -162,7 +162,9 @@ def _compute(
         nominal = plan.job.runner.nominal(plan.arm)
     spent = time.perf_counter() - began
     if pending:
-        each = seconds_of_a_run(plan.job.runner, plan.arm, spent / len(nominal)) if nominal else LONG_RUN
+        each = 60.0  # of a diagnosis, which has no nominal run [s]: two are worth two workers
+        if nominal:
+            each = seconds_of_a_run(plan.job.runner, plan.arm, spent / len(nominal))
 
         def put(rows: Sequence[Row]) -> None:
             store.put(rows)

@@ -11,9 +11,6 @@ from flexarm.campaigns.outcome import Runner
 TASK_SECONDS, FOR_EACH_WORKER = 2.0, 0.02
 """Time that a task should take at least, and for each worker [s]: the engine needs 5 to 10 ms for one."""
 
-LONG_RUN = 60.0
-"""Time of a run that has no nominal one, a diagnosis [s]: each is a task, and two are worth two workers."""
-
 
 def seconds_of_a_run(runner: Runner, arm: Arm, nominal: float) -> float:
     """Return the time of one run among others [s], given that of the nominal one, which loads libraries."""
