@@ -35,8 +35,8 @@ POWERS = {"rad": 1, "rad/s": 1, "N m": -1, "N m/rad": -2, "N m/rad3": -4, "N m s
 
 def unit_at(effect: Effect, arm: Arm, parameter: str, unit: str) -> str:
     """Return the unit of a parameter of an effect where it acts; phases of waves are angles everywhere."""
-    along = not effect.always_turns and _slides(arm, effect.at) and parameter != "phase"
-    return ALONG.get(unit, unit) if along else unit
+    slides = not effect.always_turns and _slides(arm, effect.at) and parameter != "phase"
+    return ALONG.get(unit, unit) if slides else unit
 
 
 def parameters_in(effect: Effect, arm: Arm) -> list[tuple[str, float, str]]:

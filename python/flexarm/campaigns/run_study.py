@@ -70,6 +70,8 @@ def campaign(
     InvalidFile
         If the study or a file that it names is at fault, the directory holds other files, or holds a campaign
         of another study.
+    InvalidParameter
+        If both `resume` and `force` are set, or both `scheduler` and `n_jobs`.
     NotConverged
         If the nominal run fails; a variant that fails is a row of the results.
 
