@@ -221,6 +221,14 @@ def test_a_four_bar_finds_its_pose_from_anywhere():
         assert found.solver["redundant_conditions"] == 3
 
 
+def test_stated_values_that_contradict_one_another_are_closed_near_them():
+    """A boom that stands 0.02 rad from where the piston puts it: both move a little."""
+    stroke, angle = 0.4, boom_angle(0.4) + 0.02
+    arm = loops.crane().replace(assembly={"piston": stroke, "boom_pin": angle})
+    stands = flexarm.static(arm).link_angle[0]
+    assert boom_angle(stroke) < stands < angle
+
+
 def test_a_loop_that_does_not_reach_says_by_how_much():
     """Pins 2.1 m apart, bars of 1.9 m."""
     arm = loops.four_bar("C")
@@ -343,15 +351,17 @@ def test_a_tilted_base_carries_the_loop_along():
 
 
 def test_check_tells_where_loops_close(capsys, tmp_path):
-    """Pose, repeated conditions, and an error with exit code 2 where a loop stays open."""
+    """Pose, repeated conditions, weight there, and an error with exit code 2 where a loop stays open."""
     model = tmp_path / "crane.toml"
     loops.crane().to_toml(model)
     assert run(["check", str(model), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["loops"]["redundant_conditions"] == 3
-    assert told["loops"]["assembled"]["boom_pin"] == approx(
-        boom_angle(told["loops"]["assembled"]["piston"]), abs=1e-9
-    )
+    stroke = told["loops"]["assembled"]["piston"]
+    assert told["loops"]["assembled"]["boom_pin"] == approx(boom_angle(stroke), abs=1e-9)
+    pins = 700 * 1.0 + 37 * 0.2  # boom and load hang on the boom's pin, the cylinder on its own
+    whole = told["weight"]["whole"]
+    assert G * (whole["mass"] * whole["centre"][2] - pins) == approx(crane_energy(stroke), rel=1e-9)
     arm = loops.crane().to_dict()
     arm["closures"][0]["b_origin"]["xyz"][1] = 0.02
     flexarm.Arm.from_dict(arm).to_toml(model)

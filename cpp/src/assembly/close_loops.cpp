@@ -296,7 +296,7 @@ void System::close_loops() {
     if (!arm_.assembly.contains(arm_.joints[j].name)) unstated.push_back(j);
   }
   Closed found = newton(start, unstated);
-  if (!found.met) found = search(start, joints);
+  if (!found.met) found = search(found.values, joints);  // stated values contradict: near their best fit
   if (!found.met) refuse(found.values, joints);
   assembled_ = found.values;
 

@@ -1,4 +1,4 @@
-r"""The weight statement: mass, centre and inertia of each link and of the whole at q = 0.
+r"""The weight statement: mass, centre and inertia of each link and of the whole, at q = 0 by default.
 
 A uniform beam of length L, area A and second moments I_y, I_z weighs m = \rho A L and has, about its centre
 and in its section's axes (x along the beam),
@@ -18,11 +18,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from math import hypot
 from types import MappingProxyType
 from typing import Any
 
 from flexarm.arm.arm import Arm
 from flexarm.arm.inertia import Matrix, inertia_matrix
+from flexarm.arm.joint import Joint
 from flexarm.arm.link import Beam, Link, RigidLink, SuperElementLink
 from flexarm.arm.names import from_base, link_of
 from flexarm.arm.places import place_in_link
@@ -34,6 +36,7 @@ from flexarm.arm.rotation import (
     dot,
     from_axes,
     from_rpy,
+    from_vector,
     inverted,
     rotated,
     scaled,
@@ -41,6 +44,8 @@ from flexarm.arm.rotation import (
     times,
     transposed,
 )
+
+NONE: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -72,7 +77,7 @@ class Body:
 
 @dataclass(frozen=True)
 class WeightStatement:
-    """Bodies at q = 0 in the base's frame; links without their payloads, the whole with them."""
+    """Bodies in the base's frame; links without their payloads, the whole with them."""
 
     links: dict[str, Body]
     payloads: dict[str, Body]
@@ -88,16 +93,21 @@ class WeightStatement:
 
 
 def weight_statement(
-    arm: Arm, tilt: Matrix = IDENTITY, mass_scale: Mapping[str, float] = MappingProxyType({})
+    arm: Arm,
+    tilt: Matrix = IDENTITY,
+    mass_scale: Mapping[str, float] = NONE,
+    values: Mapping[str, float] = NONE,
 ) -> WeightStatement:
     """Return the weight statement of an arm without its effects; see also `flexarm.assembly.as_built`.
 
     `tilt` is the rotation, (3, 3), of everything that stands on the base, and `mass_scale` has factors on the
-    mass of super-elements, whose tables cannot say it.
+    mass of super-elements, whose tables cannot say it. `values` are those of joints [rad or m], 0 by default.
 
     Raise InvalidFile if the file of a super-element cannot be read.
     """
-    frames = {name: chained((tilt, (0.0, 0.0, 0.0)), frame) for name, frame in link_frames(arm).items()}
+    frames = {
+        name: chained((tilt, (0.0, 0.0, 0.0)), frame) for name, frame in link_frames(arm, values).items()
+    }
     links = {
         link.name: body_of(link).scaled(mass_scale.get(link.name, 1.0)).moved(*frames[link.name])
         for link in arm.links
@@ -161,8 +171,8 @@ def _steiner(m: float, d: Vector) -> Matrix:
     )  # eq. (2)
 
 
-def link_frames(arm: Arm) -> dict[str, tuple[Matrix, Vector]]:
-    """Pose of every link's frame in the base at q = 0, undeformed."""
+def link_frames(arm: Arm, values: Mapping[str, float] = NONE) -> dict[str, tuple[Matrix, Vector]]:
+    """Return the pose in the base of every undeformed link at joint values [rad or m], 0 by default."""
     frames: dict[str, tuple[Matrix, Vector]] = {"base": (IDENTITY, (0.0, 0.0, 0.0))}
     ends = {link.name: link.end for link in arm.links if isinstance(link, Beam)}
     for joint in from_base(arm.joints):
@@ -170,5 +180,14 @@ def link_frames(arm: Arm) -> dict[str, tuple[Matrix, Vector]]:
         if joint.at == "end":
             frame = chained(frame, (IDENTITY, ends[link_of(joint.parent)]))
         frame = chained(frame, (from_rpy(joint.origin.rpy), joint.origin.xyz))
+        frame = chained(frame, _motion(joint, values.get(joint.name, 0.0)))
         frames[link_of(joint.child)] = chained(frame, inverted(*place_in_link(arm, joint.child)))
     return frames
+
+
+def _motion(joint: Joint, value: float) -> tuple[Matrix, Vector]:
+    """Return the turn or shift of a joint's child by a value of the joint."""
+    if not joint.moves or value == 0.0:
+        return IDENTITY, (0.0, 0.0, 0.0)
+    along = scaled(value / hypot(*joint.axis), joint.axis)
+    return (IDENTITY, along) if joint.type == "prismatic" else (from_vector(along), (0.0, 0.0, 0.0))

@@ -6,10 +6,12 @@ is not at hand. What tables cannot say stays out: stiffness, bows, the base, and
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from flexarm.arm import Arm, Beam, RigidLink
 from flexarm.arm.link import Link
 from flexarm.arm.rotation import added
-from flexarm.arm.weight import WeightStatement, weight_statement
+from flexarm.arm.weight import NONE, WeightStatement, weight_statement
 from flexarm.assembly.machine import Load, Machine, Member, machine_of, tilted
 
 
@@ -25,8 +27,8 @@ def as_built(machine: Machine) -> Arm:
     )
 
 
-def weight_as_built(arm: Arm) -> WeightStatement:
-    """Return the weight statement of an arm with its effects.
+def weight_as_built(arm: Arm, values: Mapping[str, float] = NONE) -> WeightStatement:
+    """Return the weight statement of an arm with its effects, at joint values [rad or m], 0 by default.
 
     Raise InvalidFile if the file of a super-element cannot be read.
     """
@@ -36,7 +38,7 @@ def weight_as_built(arm: Arm) -> WeightStatement:
         for name, member in machine.links.items()
         if member.table.type == "superelement"
     }
-    return weight_statement(as_built(machine), tilted(machine.base), parts)
+    return weight_statement(as_built(machine), tilted(machine.base), parts, values)
 
 
 def _link(member: Member) -> Link:

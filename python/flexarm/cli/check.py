@@ -37,10 +37,10 @@ def check(
 ) -> None:
     """Say what a file is and what is wrong with it.
 
-    For a model: joints, links, effects, what is uncertain, and a weight statement at q = 0: mass [kg], centre
-    [m] and inertia [kg m2] of each link and of the whole, in the base's frame. For a record: its signals with
-    rates [Hz], drop-outs and clocks. For a super-element: mass, interfaces, modes, and whether rigid motion
-    strains it.
+    For a model: joints, links, effects, what is uncertain, where loops close, and the weights there or at
+    q = 0: mass [kg], centre [m] and inertia [kg m2] of each link and of the whole, in the base's frame. For a
+    record: its signals with rates [Hz], drop-outs and clocks. For a super-element: mass, interfaces, modes,
+    and whether rigid motion strains it.
 
     With records behind a model: whether their sensors can be what they say, as the first step of a diagnosis
     asks before the long ones: channels that are dead, turned over, in another unit or cut off; outliers,
@@ -96,21 +96,23 @@ def _model(path: Path) -> Told:
     from flexarm.arm import Arm
 
     arm = Arm.from_toml(path)
-    warnings = list(arm.warnings)
+    told: dict[str, Any] = {"kind": "model", **_outline(arm)}
+    lines, warnings, faults = [arm.summary()], list(arm.warnings), list[Problem]()
+    closed: dict[str, float] = {}
+    if arm.closures:
+        try:
+            told["loops"] = _loops(arm)
+            closed = told["loops"]["assembled"]
+            lines += ["", *_loop_lines(told["loops"], arm.assembly)]
+        except InvalidParameter as error:
+            faults += error.problems
     try:
-        weight = _weight(arm)
+        weight = _weight(arm, closed)
     except InvalidParameter as error:
-        warnings += error.problems
-        return {"kind": "model", **_outline(arm)}, [arm.summary()], warnings, []
-    told = {"kind": "model", **_outline(arm), "weight": weight.to_json_dict()}
-    lines = [arm.summary(), "", *_weight_lines(weight)]
-    if not arm.closures:
-        return told, lines, warnings, []
-    try:
-        closed = _loops(arm)
-    except InvalidParameter as error:
-        return told, lines, warnings, list(error.problems)
-    return {**told, "loops": closed}, [*lines, "", *_loop_lines(closed, arm.assembly)], warnings, []
+        return told, lines, warnings + list(error.problems), faults
+    told["weight"] = weight.to_json_dict()
+    where = "where the loops are closed so" if closed else "at q = 0"
+    return told, [*lines, "", *_weight_lines(weight, where)], warnings, faults
 
 
 def _loops(arm: Arm) -> dict[str, Any]:
@@ -138,15 +140,15 @@ def _loop_lines(closed: dict[str, Any], stated: Mapping[str, float]) -> list[str
     return lines
 
 
-def _weight(arm: Arm) -> WeightStatement:
+def _weight(arm: Arm, values: Mapping[str, float]) -> WeightStatement:
     """Return the weight of the arm with its effects; the core is loaded only if one changes weights."""
     if not any(effect.place in ("payload", "link", "base") for effect in arm.effects):
         from flexarm.arm.weight import weight_statement
 
-        return weight_statement(arm)
+        return weight_statement(arm, values=values)
     from flexarm.assembly.as_built import weight_as_built
 
-    return weight_as_built(arm)
+    return weight_as_built(arm, values)
 
 
 def _outline(arm: Arm) -> dict[str, Any]:
@@ -176,9 +178,9 @@ def _outline(arm: Arm) -> dict[str, Any]:
     }
 
 
-def _weight_lines(weight: WeightStatement) -> list[str]:
+def _weight_lines(weight: WeightStatement, where: str) -> list[str]:
     lines = [
-        "weight at q = 0, in the base's frame; inertia about the own centre",
+        f"weight {where}, in the base's frame; inertia about the own centre",
         f"  {'':20} {'mass [kg]':>10}   {'centre [m]':^27}   Ixx, Iyy, Izz, Ixy, Ixz, Iyz [kg m2]",
     ]
     rows: list[tuple[str, Body]] = [

@@ -239,8 +239,10 @@ class LinearModel(Result):
         """Return the result in lines that a person reads."""
         shown = 8  # poles of a summary
         lines = [f"linear model of {self.arm.name}: {len(self.A)} states"]
-        at_rest = ", ".join(f"{n} {v:g}" for n, v in zip(self.joints, self.joint_values, strict=True))
-        lines.append(f"about the equilibrium with drives at {at_rest}")
+        moving = {joint.name for joint in self.arm.moving_joints}
+        told = zip(self.joints, self.joint_values, strict=True)
+        at_rest = ", ".join(f"{name} = {value:g}" for name, value in told if name in moving)
+        lines.append(f"about the equilibrium at {at_rest} [rad, m]" if at_rest else "about the equilibrium")
         for title, names, units, values in (
             ("input", self.input_names, self.input_units, self.input_at_rest),
             ("output", self.output_names, self.output_units, self.output_at_rest),

@@ -166,7 +166,9 @@ def joint_states(pair: AlignedRecord, joint: str, instants: Floats) -> JointStat
     run = pair.simulated.simulation
     time, j = np.asarray(run.time), run.joints.index(joint)
     rate = np.asarray(run.drive_rate)[:, j]
-    torque = np.asarray(getattr(run, "joint_torque", run.motor_torque))[:, j]
+    torques = np.asarray(getattr(run, "joint_torque", run.motor_torque))
+    rounding = 1e-12 * np.abs(torques).max(initial=0.0)  # of joints without a drive, in loops
+    torque = np.where(np.abs(torques[:, j]) > rounding, torques[:, j], 0.0)
     moving = pair.record.kind == "motion" and len(time) > 1
     acceleration = np.gradient(rate, time) if moving else np.zeros(len(time))
     sense, since_motion = _sign_history(time, rate, instants)
