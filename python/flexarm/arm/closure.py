@@ -99,6 +99,14 @@ def loops(arm: Arm) -> list[set[str]]:
     return found
 
 
+def joints_moved_with(arm: Arm, joint: str) -> set[str]:
+    """Return the joints that move when one does: itself, those geared to it, and those of its loops."""
+    found, closed = coupled_joints({joint}, arm.gears), loops(arm)
+    for _ in closed:  # loops that share joints form a chain of no more of them
+        found = found.union(*(loop for loop in closed if loop & found))
+    return found
+
+
 def _chain(link: str, holder: Mapping[str, Joint]) -> Iterable[str]:
     """Yield the joints from a link to the base."""
     while link in holder:

@@ -143,7 +143,10 @@ class _DriveTest:
             values[effect.at] = {
                 key: (value, relative * value, unit) for key, value, unit in effect.parameters()
             }
-        said = describe_hypothesis(self.arm, trial.hypothesis, self.record)
+        odd = {each.channel.signal.name for each in trial.channels if each.name or each.unexplained}
+        followed = {each.channel.signal.name: None for each in trial.channels}.keys() - odd
+        names = [name for name in self.record.signals if name in followed]
+        said = describe_hypothesis(self.arm, trial.hypothesis, self.record, names)
         return DriveFault(values, trial.hypothesis[0].name, self.log_bayes(trial), said, trial.channels)
 
 

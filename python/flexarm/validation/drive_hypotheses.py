@@ -16,18 +16,20 @@ and are left out.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import log, pi
+from math import ceil, log, pi
 
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.arm.joint import coupled_joints, shaft_ratio
-from flexarm.arm.kinematics import link_pose
+from flexarm.arm.closure import joints_moved_with
+from flexarm.arm.joint import shaft_ratio
+from flexarm.arm.kinematics import chain_to, link_pose
 from flexarm.arm.sensor_effect import ChannelEffect
 from flexarm.arm.sizes import LONGEST
 from flexarm.arrays import Floats
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive.from_record import true_time
+from flexarm.effects import SignError, UnitError
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.torque import gear_ratio
 from flexarm.record import Record, Signal
@@ -40,10 +42,12 @@ from flexarm.validation.gain_faults import name_conversion
 from flexarm.validation.policy import POLICY
 from flexarm.wording import listed
 
-Hypothesis = tuple["ChannelEffect", ...]
+Hypothesis = tuple[ChannelEffect, ...]
 
-FACTORS = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3, 100.0, 0.01, 10.0, 0.1, 2.0, 0.5, 4.0, 0.25)
-"""Wrong units of angles and counts; the first six also of all drives together; gear ratios come on top."""
+COMMON_FACTORS = (180 / pi, pi / 180, 2 * pi, 0.5 / pi, 1e3, 1e-3)
+"""Wrong units of angles and lengths, of one drive or of all; gear ratios come on top."""
+FACTORS = (*COMMON_FACTORS, 100.0, 0.01, 10.0, 0.1, 2.0, 0.5, 4.0, 0.25)
+"""The same with factors of counts, which one encoder may have."""
 
 
 def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding] | None) -> list[Hypothesis]:
@@ -51,8 +55,6 @@ def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding
 
     `channels` are those along the drives as they are; None if the model cannot follow these.
     """
-    from flexarm.effects import SignError
-
     drives = [record.signals[name] for name in record.drive]
     drives = [signal for signal in drives if signal.joint is not None and signal.valid.any()]
     moving = [
@@ -65,11 +67,11 @@ def drive_hypotheses(arm: Arm, record: Record, channels: Sequence[ChannelFinding
     found += [each for signal in moving for each in _unit_hypotheses([signal], arm, FACTORS)]
     turning = [signal for signal in drives if signal.unit == "rad"]
     if moving and len(turning) > 1:
-        found += _unit_hypotheses(turning, arm, FACTORS[:6])
-    beyond = implausible_drives(arm, record)
-    found = [each for each in found if beyond <= unit_factors(each).keys()]
-    wild = {signal.name for signal in drives if relative_range(signal, arm) > 1}
-    return sorted(found, key=lambda each: not wild <= {effect.at for effect in each})
+        found += _unit_hypotheses(turning, arm, COMMON_FACTORS)
+    implausible = implausible_drives(arm, record)
+    found = [each for each in found if implausible <= unit_factors(each).keys()]
+    out_of_range = {signal.name for signal in drives if relative_range(signal, arm) > 1}
+    return sorted(found, key=lambda each: not out_of_range <= unit_factors(each).keys())
 
 
 def implausible_drives(arm: Arm, record: Record) -> set[str]:
@@ -92,18 +94,16 @@ def is_implausible(signal: Signal, arm: Arm) -> bool:
 
 
 def _unit_hypotheses(drives: Sequence[Signal], arm: Arm, factors: Iterable[float]) -> list[Hypothesis]:
-    """Return hypotheses of drives in one wrong unit, or divided by their gear ratios never or twice."""
-    from flexarm.effects import UnitError
-
-    ratios = [gear_ratio(arm, str(signal.joint)) for signal in drives]
-    alike = [[factor] * len(drives) for factor in factors]
-    own = [ratios, [1 / ratio for ratio in ratios]]
+    """Return unit errors of drives: one factor for all, gear ratios or the inverse, degrees of the motor."""
+    ratios = [abs(gear_ratio(arm, str(signal.joint))) for signal in drives]
+    common = [(factor,) * len(drives) for factor in factors]
+    geared = [tuple(ratios), tuple(1 / ratio for ratio in ratios)]
     if all(is_implausible(signal, arm) for signal in drives):
-        own.append([180 / pi * ratio for ratio in ratios])  # degrees of the motor
-    own = own if any(ratio != 1 for ratio in ratios) else []
+        geared.append(tuple(180 / pi * ratio for ratio in ratios))  # degrees of the motor
+    tried = dict.fromkeys([*common, *geared] if any(ratio != 1 for ratio in ratios) else common)
     return [
         tuple(UnitError(at=signal.name, factor=f) for signal, f in zip(drives, each, strict=True))
-        for each in [*alike, *own]
+        for each in tried
         if all(relative_range(signal, arm) / f < 1 for signal, f in zip(drives, each, strict=True))
         and any(
             np.nanstd(signal.values) / f > POLICY.min_drive_motion
@@ -142,22 +142,17 @@ def is_disturbed(arm: Arm, joint: str, found: Sequence[ChannelFinding]) -> bool:
 
 
 def is_moved_by(arm: Arm, joint: str, signal: Signal) -> bool:
-    """Return True if a joint, or one geared to it, moves the place of a signal."""
+    """Return True if a joint, or one coupled to it by gears or a loop, moves the place of a signal."""
+    moved = joints_moved_with(arm, joint)
     if signal.joint is not None:
-        return signal.joint == joint
-    together = coupled_joints({joint}, arm.gears)
-    link = signal.link or (arm.point(signal.point).link if signal.point is not None else "")
-    while link and link != "base":
-        above = next(each for each in arm.joints if each.child.split(":")[0] == link.split(":")[0])
-        if above.name in together:
-            return True
-        link = above.parent
-    return False
+        return signal.joint in moved
+    link = signal.link or (arm.point(signal.point).link if signal.point is not None else "base")
+    return any(each.name in moved for each in chain_to(arm, link))
 
 
-def describe_hypothesis(arm: Arm, hypothesis: Hypothesis, record: Record) -> str:
-    """Describe a fault of drives, and the signals that follow the model once it is taken back."""
-    others = ", ".join(name for name in record.signals if name not in record.drive)
+def describe_hypothesis(arm: Arm, hypothesis: Hypothesis, record: Record, followed: Sequence[str]) -> str:
+    """Describe a fault of drives, and the signals that the model follows once it is taken back."""
+    others = ", ".join(followed) or "most signals"
     factors = unit_factors(hypothesis)
     if not factors:
         [effect] = hypothesis
@@ -179,7 +174,7 @@ def describe_hypothesis(arm: Arm, hypothesis: Hypothesis, record: Record) -> str
 
 def _name_ratios(arm: Arm, record: Record, factors: Mapping[str, float]) -> str:
     """Return the clause that factors are gear ratios, or ""."""
-    ratios = {at: gear_ratio(arm, str(record.signals[at].joint)) for at in factors}
+    ratios = {at: abs(gear_ratio(arm, str(record.signals[at].joint))) for at in factors}
     if all(ratio == 1 for ratio in ratios.values()):
         return ""
     if all(abs(log(factors[at] / ratio)) < POLICY.factor_accuracy for at, ratio in ratios.items()):
@@ -189,8 +184,8 @@ def _name_ratios(arm: Arm, record: Record, factors: Mapping[str, float]) -> str:
     return ""
 
 
-KINEMATIC = (
-    *("position", "orientation", "inclination", "joint_angle", "joint_rate", "angular_rate", "acceleration"),
+KINEMATIC = frozenset(
+    {"position", "orientation", "inclination", "joint_angle", "joint_rate", "angular_rate", "acceleration"}
 )
 """Quantities that a rigid arm shows without its forces."""
 
@@ -198,14 +193,17 @@ KINEMATIC = (
 def rigid_record(arm: Arm, record: Record) -> SimulatedRecord | None:
     """Return a record of motion paired with the rigid arm; None if no signal but the drives is kinematic.
 
-    Raise InvalidParameter if the record does not say how it drives the arm.
+    None also if joints follow others through gears or in loops, which takes a solver.
+    Raise InvalidParameter if an effect cannot act on a drive, or readings do not determine its true angle.
     """
+    if record.kind == "static" or arm.gears or arm.closures:
+        return None
     drives = {name: record.signals[name] for name in record.drive}
     shown = {}
     for name, signal in kinematic_signals(record).items():
-        every = slice(None, None, -(-len(signal) // POLICY.rigid_rows) or 1)
+        every = slice(None, None, max(1, ceil(len(signal) / POLICY.rigid_rows)))
         shown[name] = signal.replace(time=signal.time[every], values=signal.values[every])
-    if record.kind == "static" or arm.gears or not shown:
+    if not shown:
         return None
     run = rigid_motion(record.applied_to(arm), *_driven(arm, record))
     found = pair_record(run, record.replace(signals={**drives, **shown}))
@@ -253,8 +251,9 @@ def rigid_motion(arm: Arm, time: Floats, angles: Mapping[str, Floats]) -> Simula
         turned = Rotation.from_matrix(np.broadcast_to(pose.R, (n, 3, 3)))
         orientation[:, k] = turned.as_quat()
         turns = (turned[:-1].inv() * turned[1:]).as_rotvec()  # in the body's axes
-        angular_rate[:-1, k] = turns / np.diff(time)[:, None]
-        angular_rate[-1, k] = angular_rate[-2, k]
+        between = turns / np.diff(time)[:, None]
+        angular_rate[[0, -1], k] = between[[0, -1]]
+        angular_rate[1:-1, k] = (between[:-1] + between[1:]) / 2
     rate, unknown = np.asarray(np.gradient(angle, time, axis=0)), np.full(angle.shape, np.nan)
     return Simulation(
         arm,
