@@ -12,7 +12,7 @@ from pytest import approx
 
 from flexarm import Arm, Drive, InvalidParameter, NotConverged, Record, Signal, simulate
 from flexarm.control import simulate_closed_loop
-from flexarm.control.divergence import with_loops
+from flexarm.control.divergence import add_controller_states
 from flexarm.measurement.measure import measure
 
 INERTIA = 7.0  # about the joint: 4 kg at 1 m, 2 kg m2 about its centre, 1 kg m2 of the rotor
@@ -130,13 +130,24 @@ def test_torque_limit_of_the_cascade_holds_and_its_integral_part_waits() -> None
     assert run.drive_angle.max() < 1.1 * free.drive_angle.max()
 
 
-def test_voltage_and_torque_limits_of_the_motor_hold() -> None:
+@pytest.mark.parametrize("step", [0.0, 1e-3])
+def test_voltage_and_torque_limits_of_the_motor_hold(step: float) -> None:
+    """Also where the loop's encoder counts in coarse steps: the back-EMF is that of the rotor."""
     motor = {**MOTOR, "voltage_limit": 1.5, "torque_limit": 0.02}
-    arm = rigid_arm(controllers=[FEEDBACK], motors=[motor])
+    encoder = {"name": "encoder", "quantity": "joint_angle", "joint": "hinge", "rate_hz": 250, "step": step}
+    arm = rigid_arm(controllers=[FEEDBACK], motors=[motor], sensors=[encoder])
     run = simulate_closed_loop(arm, step_command(0.5), step=1e-3)
     assert np.nanmax(np.abs(run.motor_voltage)) == approx(1.5)
     # Between samples the back-EMF changes with the rate, by at most c φ'' T_s = 10 * 2/7 * 4e-3 N m.
     assert np.abs(run.motor_torque).max() == approx(0.02 * 100, abs=0.012)
+
+
+def test_a_schedule_that_changes_more_than_gains_is_refused() -> None:
+    arm = rigid_arm(controllers=[CASCADE])
+    limited = arm.controllers[0].replace(torque_limit=20.0)
+    refused = r"schedule\.hinge: changes torque_limit at t = 0 s; a schedule may change gains only"
+    with pytest.raises(InvalidParameter, match=refused):
+        simulate_closed_loop(arm, step_command(), step=1e-3, schedule={"hinge": lambda t: limited})
 
 
 def test_energy_of_a_voltage_drive_balances_without_the_motors_electrical_loss() -> None:
@@ -250,7 +261,7 @@ def test_a_failure_of_the_solver_says_what_the_controllers_did() -> None:
     arm = rigid_arm(controllers=[CASCADE])
     loops = {"hinge": SimpleNamespace(joint=0)}
     plant: Any = SimpleNamespace(angle=lambda joint, output: 0.25, rate=lambda joint, output: 300.0)
-    told = with_loops(NotConverged("step 3", time=0.1), arm, loops, plant, {"hinge": 0.5})  # type: ignore[arg-type]
+    told = add_controller_states(NotConverged("step 3", time=0.1), arm, loops, plant, {"hinge": 0.5})  # type: ignore[arg-type]
     assert str(told) == (
         "step 3; under its controller the motor of 'hinge' is 0.25 rad from its command and moves at "
         "300 rad/s"

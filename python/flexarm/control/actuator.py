@@ -5,8 +5,8 @@ A voltage u held over a sample does not hold the torque: with the rate φ' it fa
     T = a u - c φ',     a = η k_m n/R,     c = η k_m² n²/R        output-referred                     (1)
 
 c is a viscous friction of the rotor, so the integrator carries it exactly and only a u is held. Where the
-torque is limited, a u is set so that T meets the limit at the sample's φ'. Numbers of motors may carry their
-derivatives (`flexarm.control.dual`).
+torque is limited, a u is set so that T meets the limit at the rotor's φ' at the sample. Numbers of motors may
+carry their derivatives (`flexarm.control.dual`).
 """
 
 from __future__ import annotations

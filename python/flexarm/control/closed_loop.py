@@ -20,10 +20,10 @@ from flexarm.arrays import Floats, read_only
 from flexarm.control.back_emf import without_losses
 from flexarm.control.controlled import ControlledArm
 from flexarm.control.differentiated import Differentiation, commanded_at
-from flexarm.control.divergence import require_followed, with_loops
+from flexarm.control.divergence import add_controller_states, require_stable
 from flexarm.control.dual import Real, slopes_of, value_of
 from flexarm.control.grid import SampleGrid
-from flexarm.control.loop import Loop
+from flexarm.control.loop import ControlLoop
 from flexarm.control.plant import Plant
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter, NotConverged
@@ -67,8 +67,8 @@ def simulate_closed_loop(
     alpha, end, forces, rotations, progress
         As in `flexarm.simulate`.
     schedule : dict of str to callable, optional
-        Controller of a joint at a time [s], for gains that change in a run; joint, type, deflection and
-        sample time stay. Such a run has no derivatives.
+        Controller of a joint at a time [s], for gains that change in a run; joint, type, deflection, sample
+        time and torque limit stay. Such a run has no derivatives.
     sensitivities : iterable of str
         As in `flexarm.simulate`. Parameters of motors, gears and of effects on the sensors in the loop act
         through the loop too; gains and sample times are no parameters. What a limit holds has the derivative
@@ -83,8 +83,8 @@ def simulate_closed_loop(
     Raises
     ------
     InvalidParameter
-        If a commanded joint has no controller, sample times have no common grid, or there is no derivative
-        by a parameter.
+        If a commanded joint has no controller, sample times have no common grid, a schedule changes more than
+        gains, or there is no derivative by a parameter.
     NotConverged
         With time, iteration and residual; also if a motor runs a turn (a joint that slides `LONGEST`) farther
         from its command than commands range, for its controller diverges.
@@ -129,7 +129,7 @@ def _alone(
     equilibrium = task.at_rest(options.start)
     holding = _core.motor_torques(task.held, equilibrium.state, False)
     loops = {
-        name: Loop.of(task.arm, controller, holding, schedule.get(name))
+        name: ControlLoop.of(task.arm, controller, holding, schedule.get(name))
         for name, controller in task.controllers.items()
     }
     start = _core.released(task.held, equilibrium, task.system)
@@ -164,7 +164,7 @@ def _differentiated(
 def _sampled(
     task: ControlledArm,
     plant: Plant,
-    loops: Mapping[str, Loop],
+    loops: Mapping[str, ControlLoop],
     commands: Mapping[str, Sequence[Real]],
     grid: SampleGrid,
     progress: Progress,
@@ -188,11 +188,11 @@ def _sampled(
                     voltage[held, loop.joint] = value_of(volts)
                     slopes[held, loop.joint] = slopes_of(volts, plant.n_parameters)
             commanded = {name: value_of(samples[k]) for name, samples in commands.items()}
-            require_followed(task.arm, loops, plant, commanded, ranges)
+            require_stable(task.arm, loops, plant, commanded, ranges)
             try:
                 plant.advance(torque, grid.substeps)
             except NotConverged as error:
-                raise with_loops(error, task.arm, loops, plant, commanded) from None
+                raise add_controller_states(error, task.arm, loops, plant, commanded) from None
             if report is not None and k % look == 0 and report(k / count) is False:
                 break
     slopes[np.isnan(voltage)] = np.nan

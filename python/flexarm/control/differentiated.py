@@ -26,7 +26,7 @@ from flexarm.arrays import Floats
 from flexarm.control.actuator import actuator_of, differentiated
 from flexarm.control.controlled import ControlledArm
 from flexarm.control.dual import Dual, Real
-from flexarm.control.loop import Loop
+from flexarm.control.loop import ControlLoop
 from flexarm.control.plant import DifferentiatedPlant
 from flexarm.control.sensing import DifferentiatedSensing, Sensing
 from flexarm.drive import Drive
@@ -100,7 +100,7 @@ class Differentiation:
         )
         return DifferentiatedPlant(run, len(self._arms))
 
-    def loops(self) -> dict[str, Loop]:
+    def loops(self) -> dict[str, ControlLoop]:
         """Return the loops of commanded joints, with derivatives of sensors, motors and holding torques."""
         arm, found = self._task.arm, {}
         torques = _core.motor_torques(self._task.held, self._equilibrium.state, False)
@@ -108,7 +108,7 @@ class Differentiation:
         for name, controller in self._task.controllers.items():
             sensing = DifferentiatedSensing(arm, controller, self._arms, self._spreads)
             motors = [tuple(actuator_of(other, controller) for other in pair) for pair in self._arms]
-            found[name] = Loop(
+            found[name] = ControlLoop(
                 lambda time, controller=controller: controller,  # type: ignore[misc]
                 sensing,
                 differentiated(actuator_of(arm, controller), motors, self._spreads),  # type: ignore[arg-type]

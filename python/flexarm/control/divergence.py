@@ -9,50 +9,54 @@ from flexarm.arm import Arm
 from flexarm.arm.joint import shaft_ratio
 from flexarm.arm.sizes import LONGEST
 from flexarm.control.dual import value_of
-from flexarm.control.loop import Loop
+from flexarm.control.loop import ControlLoop
 from flexarm.control.plant import Plant
 from flexarm.errors import NotConverged
 
 
-def require_followed(
+def require_stable(
     arm: Arm,
-    loops: Mapping[str, Loop],
+    loops: Mapping[str, ControlLoop],
     plant: Plant,
     commanded: Mapping[str, float],
     ranges: Mapping[str, float],
 ) -> None:
-    """Raise NotConverged if a motor is farther from its command than a stable controller leaves it.
+    """Raise NotConverged if a motor deviates from its command by more than the command range plus one turn.
 
-    That is the range of its commands, and a turn of its joint or a length that no arm has.
+    A slide has `LONGEST` instead of the turn.
     """
     for name, error, unit in _errors(arm, loops, plant, commanded):
-        most = ranges[name] + (LONGEST if unit == "m" else 2 * pi * shaft_ratio(name, arm.gears))
-        if not abs(error) <= most:
+        limit = ranges[name] + (LONGEST if unit == "m" else 2 * pi * shaft_ratio(name, arm.gears))
+        if not abs(error) <= limit:  # also NaN
             raise NotConverged(
                 f"the controller of joint {name!r} diverges: at t = {plant.time:.6g} s its motor stands "
-                f"{abs(error):.3g} {unit} from its command, allowed are {most:.3g} {unit}; are its gains and "
-                "sample time those of the machine, and is the torque enough?",
+                f"{abs(error):.3g} {unit} from its command, allowed are {limit:.3g} {unit}; are its gains "
+                "and sample time those of the machine, and is the torque enough?",
                 time=plant.time,
             )
 
 
-def with_loops(
-    failure: NotConverged, arm: Arm, loops: Mapping[str, Loop], plant: Plant, commanded: Mapping[str, float]
+def add_controller_states(
+    failure: NotConverged,
+    arm: Arm,
+    loops: Mapping[str, ControlLoop],
+    plant: Plant,
+    commanded: Mapping[str, float],
 ) -> NotConverged:
     """Return a failure of the time step that says what the controllers did then."""
-    told = [
+    states = [
         f"the motor of {name!r} is {abs(error):.2g} {unit} from its command and moves at "
         f"{value_of(plant.rate(loops[name].joint, output=False)):.3g} {unit}/s"
         for name, error, unit in _errors(arm, loops, plant, commanded)
     ]
-    what = f"{failure}; under its controller {', '.join(told)}"
+    what = f"{failure}; under its controller {', '.join(states)}"
     return NotConverged(what, time=failure.time, iteration=failure.iteration, residual=failure.residual)
 
 
 def _errors(
-    arm: Arm, loops: Mapping[str, Loop], plant: Plant, commanded: Mapping[str, float]
+    arm: Arm, loops: Mapping[str, ControlLoop], plant: Plant, commanded: Mapping[str, float]
 ) -> Iterator[tuple[str, float, str]]:
-    """Yield joint, command minus the motor's angle over the ratio, and its unit."""
+    """Yield joint, command minus motor angle (output-referred), and unit."""
     for name, loop in loops.items():
         error = commanded[name] - value_of(plant.angle(loop.joint, output=False))
         yield name, error, "m" if arm.joint(name).type == "prismatic" else "rad"
