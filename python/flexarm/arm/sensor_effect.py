@@ -57,6 +57,8 @@ class SignalEffect(Effect):
     """What it can act on; empty: any quantity."""
     of_drives: ClassVar[bool] = False
     """True if a search looks for it in readings that drive the model, not in those compared with it."""
+    rounds: ClassVar[bool] = False
+    """True if readings are in steps, which have no derivative."""
     not_sought_in: ClassVar[tuple[str, ...]] = ()
     """Quantities in which another effect stands for it, such as a frame's registration."""
 

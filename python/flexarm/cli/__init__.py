@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     from flexarm.cli import streams
     from flexarm.cli.run import run
 
-    streams.prepare()
+    streams.install_tolerant_streams()
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells of caches that it cannot write
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, whatever a shell's profile asks of windows
     gc.set_threshold(100_000)  # what imports make stays: looking through it again and again costs 50 ms

@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import sys
 
+from flexarm.cli.streams import mute
 from flexarm.errors import InvalidFile, InvalidParameter, NotConverged, printable
 from flexarm.termination import farewell
 
@@ -36,7 +37,7 @@ def run(arguments: list[str]) -> int:
     except KeyboardInterrupt:
         return _interrupted()
     except BrokenPipeError:  # the reader of our output went away, as `flexarm ... | head` does
-        _mute_stdout()
+        mute(sys.stdout)  # what is left in its buffer, so that leaving does not fail again
         return 0
     except Exception as error:
         return _report(error)
@@ -46,11 +47,6 @@ def _interrupted() -> int:
     """Say that a command was stopped, where a caller of `run` handles Ctrl-C by an exception."""
     print(farewell("interrupted"), file=sys.stderr)
     return INTERRUPTED
-
-
-def _mute_stdout() -> None:
-    """Let what is left in the buffer of standard output vanish, so that leaving does not fail again."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _report(error: Exception) -> int:
@@ -73,7 +69,7 @@ def _report(error: Exception) -> int:
     elif isinstance(error, OSError) and error.filename is not None:
         lines, code = [f"{error.filename}: file: {error.strerror}"], INPUT_AT_FAULT
     elif isinstance(error, OSError):  # without a file's name: standard output, full or closed
-        _mute_stdout()
+        mute(sys.stdout)  # what is left in its buffer, so that leaving does not fail again
         lines, code = [f"standard output: cannot be written: {error.strerror}"], INPUT_AT_FAULT
     else:
         raise error

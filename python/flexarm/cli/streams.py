@@ -1,4 +1,4 @@
-"""Standard output and error, be they closed, broken, full, or of an encoding that lacks our signs."""
+"""Standard output and error that tolerate closed, broken and full streams and narrow encodings."""
 
 from __future__ import annotations
 
@@ -8,58 +8,61 @@ import sys
 from io import TextIOWrapper
 from typing import TextIO
 
-SIGNS = {"±": "+-", "µ": "u", "²": "2", "³": "3", "⁴": "4", "–": "-", "−": "-", "°": "deg"}
+ASCII_FORMS = {"±": "+-", "µ": "u", "μ": "u", "²": "2", "³": "3", "⁴": "4", "–": "-", "−": "-", "°": "deg"}
 """Signs in summaries and units, and their ASCII form."""
 
 
-class Patient(TextIOWrapper):
+class TolerantStream(TextIOWrapper):
     """A stream that drops what it cannot write, so that the command goes on and its exit code is right."""
 
-    forgiven: type[OSError] = BrokenPipeError
+    ignored_error: type[OSError] = BrokenPipeError
     """What is no error: standard output's reader may go away; standard error tells where nothing else can."""
 
     def write(self, text: str, /) -> int:
         """Write, or drop the text and all that follows."""
         try:
             return super().write(text)
-        except self.forgiven:
-            self._mute()
+        except self.ignored_error:
+            mute(self)
             return len(text)
 
     def flush(self) -> None:
         """Flush, or drop what waits and all that follows."""
         try:
             super().flush()
-        except self.forgiven:
-            self._mute()
-
-    def _mute(self) -> None:
-        null = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(null, self.fileno())
-        os.close(null)
-        super().flush()
+        except self.ignored_error:
+            mute(self)
+            super().flush()
 
 
-def prepare() -> None:
+def mute(stream: TextIO) -> None:
+    """Send what a stream still writes to nowhere."""
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, stream.fileno())
+    os.close(null)
+
+
+def install_tolerant_streams() -> None:
     """Make the standard streams ones that can always be written to."""
-    codecs.register_error("flexarm", _plain)
-    sys.stdout = _patient(sys.stdout, 1, BrokenPipeError)
-    sys.stderr = _patient(sys.stderr, 2, OSError)
+    codecs.register_error("flexarm", _to_ascii)
+    sys.stdout = _tolerant(sys.stdout, 1, BrokenPipeError)
+    sys.stderr = _tolerant(sys.stderr, 2, OSError)
 
 
-def _plain(error: UnicodeError) -> tuple[str, int]:
+def _to_ascii(error: UnicodeError) -> tuple[str, int]:
     """Return characters that an encoding lacks: our own signs as one would type them, others as escapes."""
     assert isinstance(error, UnicodeEncodeError)
     signs = error.object[error.start : error.end]
-    text = "".join(SIGNS.get(sign) or sign.encode("ascii", "backslashreplace").decode() for sign in signs)
+    escaped = {sign: sign.encode("ascii", "backslashreplace").decode() for sign in signs}
+    text = "".join(ASCII_FORMS.get(sign, escaped[sign]) for sign in signs)
     return text, error.end
 
 
-def _patient(stream: TextIO | None, number: int, forgiven: type[OSError]) -> Patient:
+def _tolerant(stream: TextIO | None, number: int, ignored_error: type[OSError]) -> TolerantStream:
     if isinstance(stream, TextIOWrapper):
         lines, through = stream.line_buffering or number == 2, stream.write_through
-        made = Patient(stream.detach(), stream.encoding, "flexarm", None, lines, through)
+        made = TolerantStream(stream.detach(), stream.encoding, "flexarm", None, lines, through)
     else:
-        made = Patient(os.fdopen(number, "wb", closefd=False), "utf-8", "flexarm", None, True)
-    made.forgiven = forgiven
+        made = TolerantStream(os.fdopen(number, "wb", closefd=False), "utf-8", "flexarm", None, True)
+    made.ignored_error = ignored_error
     return made

@@ -21,6 +21,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
+from flexarm.linear.tangent import is_singular
 
 _NOTHING = 1e-12
 """Share of the largest mass (damping) of a direction below which it has none."""
@@ -123,8 +124,7 @@ def _split(M: Floats, largest: float | None = None) -> tuple[Floats, Floats]:
 def _solve(K: Floats, right: Floats) -> Floats:
     if not len(K):
         return right
-    values = np.abs(np.linalg.eigvalsh(0.5 * (K + K.T)))
-    if values.min() <= 1e-14 * values.max():
+    if is_singular(K, 1e-14):
         raise InvalidParameter(
             "a coordinate has neither inertia nor stiffness; give the rotor of its joint an inertia",
             where="joints",

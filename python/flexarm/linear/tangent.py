@@ -9,9 +9,9 @@ allow, in which the angles w of driven motors are coordinates of their own, are
 
 .. math:: x = N z + G w,   J N = 0,   J G = 0,   N_{driven} = 0,   (G w)_{driven} = w                (2)
 
-A motor behind a spring turns alone: its column of G has no other entry. With a motor that holds its link, G
-is how the arm moves when that turns slowly, N^T K G = 0, where the arm has stiffness without it. z is what
-the arm does beyond. The projection of (1) on N and G,
+A motor behind a spring turns alone: its column of G has no other entry. If a motor holds its link, G is the
+arm's quasi-static motion with it, N^T K G = 0, which needs stiffness in all other motions. z is what the arm
+does beyond. The projection of (1) on N and G,
 
 .. math:: M_z z'' + C_z z' + K_z z = N^T F u - N^T (M G w'' + C G w' + K G w)                         (3)
 .. math:: T = G^T (M x'' + C x' + K x - F u)                                                          (4)
@@ -31,12 +31,12 @@ from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 
 _RANK = 1e-10
-"""Relative size below which a pivot of the constraints or a stiffness is zero."""
+"""Relative size below which a pivot of the constraints is zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """Equations (1) and (2)."""
+    """Matrices of (1) and bases of (2)."""
 
     M: Floats
     C: Floats
@@ -44,7 +44,7 @@ class Tangent:
     """Of the coordinates x, shape (n, n)."""
     N: Floats
     G: Floats
-    """Motions that the joints allow, (2)."""
+    """Motions that the joints allow, (2), shapes (n, free) and (n, driven)."""
 
     @property
     def motions(self) -> Floats:
@@ -53,16 +53,16 @@ class Tangent:
 
 
 def tangent(system: _core.System, equilibrium: _core.Equilibrium, driven: Sequence[int]) -> Tangent:
-    """Return the tangent of a system whose motors are told their torques, all free, at its equilibrium.
+    """Linearise the torque-driven system about its equilibrium.
 
     `driven` are rows of the coordinates that are prescribed.
 
     Raise InvalidParameter if driven joints are not independent, or the arm is too large.
     """
-    most_coordinates = 3000  # beyond, dense matrices take minutes
-    if system.n_unknowns > most_coordinates:
+    max_coordinates = 3000  # beyond, dense matrices take minutes
+    if system.n_unknowns > max_coordinates:
         raise InvalidParameter(
-            f"the arm has {system.n_unknowns} unknowns; a linear model is made of up to {most_coordinates}; "
+            f"the arm has {system.n_unknowns} unknowns; a linear model is made of up to {max_coordinates}; "
             "take fewer elements",
             where="links",
         )
@@ -85,15 +85,18 @@ def tangent(system: _core.System, equilibrium: _core.Equilibrium, driven: Sequen
 
 def _quasi_static(N: Floats, G: Floats, K: Floats) -> Floats:
     """Return G with N^T K G = 0, or as it is where the arm has a motion without stiffness."""
-    from scipy.linalg import eigvalsh
-
     stiffness = N.T @ K @ N
     if not len(stiffness):
         return G
-    values = np.abs(eigvalsh(0.5 * (stiffness + stiffness.T)))
-    if values.min() <= 1e-13 * values.max():
+    if is_singular(stiffness):
         return G
     return G - N @ np.linalg.solve(stiffness, N.T @ K @ G)
+
+
+def is_singular(K: Floats, rounding: float = 1e-13) -> bool:
+    """Return True if a symmetric matrix has an eigenvalue that is zero but for rounding."""
+    values = np.abs(np.linalg.eigvalsh(0.5 * (K + K.T)))
+    return bool(values.min() <= rounding * values.max())
 
 
 def _null_space(J: Floats) -> Floats:

@@ -76,7 +76,7 @@ class SensorEffects:
         """Return the written values of sensed ones; without rounding they have derivatives."""
         values = sensed
         for effect in self.after:
-            if rounded or effect.name != "encoder_quantisation":
+            if rounded or not effect.rounds:
                 values = effect.reading(values, sensed, self.channels)
         return values
 

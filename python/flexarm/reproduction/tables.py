@@ -97,7 +97,7 @@ def deformed_instant(study: Study) -> float:
 
 def position(study: Study, window: tuple[float, float] | None = None) -> Table:
     """Return Figures 7 and 8: tip positions."""
-    time, measured = _rows(study, window)
+    time, measured = _placement(study, window)
     parts = {"rigid": study.rigid(time), "model": study.tip("fe", time), "measured": measured(study.measured)}
     names = {
         "rigid": "rigid arm at the encoder's angle",
@@ -113,7 +113,7 @@ def position(study: Study, window: tuple[float, float] | None = None) -> Table:
 
 def errors(study: Study) -> Table:
     """Return Figure 9: errors of the rigid position, vertical and horizontal."""
-    time, measured = _rows(study, None)
+    time, measured = _placement(study, None)
     model = study.tip("fe", time) - study.rigid(time)
     seen = measured(study.measured - study.rigid(study.stamps))
     table = {"time_s": Column(time, "time [s]")}
@@ -125,7 +125,7 @@ def errors(study: Study) -> Table:
 
 def tangential_error(study: Study) -> Table:
     """Return Figure 10: tangential errors."""
-    time, measured = _rows(study, None)
+    time, measured = _placement(study, None)
     seen = measured(study.measured_tangential[:, None])[:, 0]
     return {
         "time_s": Column(time, "time [s]"),
@@ -136,12 +136,14 @@ def tangential_error(study: Study) -> Table:
 
 
 def zoom_window(study: Study) -> tuple[float, float]:
-    """Return where the vertical error is largest and the tip vibrates: near the first reversal [s]."""
+    """Return the window of Figure 8 about the first reversal, where the tip vibrates [s]."""
     turn, seconds = study.experiment.period / 4, 4.5
     return turn - 0.7 * seconds, turn + 0.3 * seconds
 
 
-def _rows(study: Study, window: tuple[float, float] | None) -> tuple[Floats, Callable[[Floats], Floats]]:
+def _placement(
+    study: Study, window: tuple[float, float] | None
+) -> tuple[Floats, Callable[[Floats], Floats]]:
     """Return the instants of a table, and a function that puts the tracker's samples among them."""
     stamps, equal = study.stamps, grid(study)
     first, last = window or (-np.inf, np.inf)
@@ -149,16 +151,16 @@ def _rows(study: Study, window: tuple[float, float] | None) -> tuple[Floats, Cal
     equal = equal[(equal >= first) & (equal <= last)]
     time = np.unique(np.concatenate([equal, stamps[kept]]))
 
-    def placed(values: Floats) -> Floats:
+    def at_stamps(values: Floats) -> Floats:
         found = np.full((len(time), values.shape[1]), np.nan)
         found[np.searchsorted(time, stamps[kept])] = values[kept]
         return found
 
-    return time, placed
+    return time, at_stamps
 
 
 def write_csv(table: Table, path: Path) -> None:
-    """Write one row an instant; empty cells where nothing was measured."""
+    """Write one row for each instant or place; cells without a measurement stay empty."""
     columns = [["" if np.isnan(x) else f"{x:.9g}" for x in column.values] for column in table.values()]
     rows = [",".join(cells) for cells in zip(*columns, strict=True)]
     write_file(path, "\n".join([",".join(table), *rows]) + "\n")

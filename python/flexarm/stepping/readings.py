@@ -12,13 +12,14 @@ class JointReading(NamedTuple):
 
     angle: float
     rate: float
-    """theta of the link about the joint [rad, m if prismatic], and its rate."""
+    """Angle theta of the link about the joint [rad], and its rate [rad/s]; [m], [m/s] if prismatic."""
     drive_angle: float
     drive_rate: float
-    """phi of the motor over the ratio, and its rate."""
+    """Angle phi of the motor over the gear ratio, and its rate, in the same units."""
     torque: float
     motor_torque: float
-    """On the child about +axis; of the motor with rotor inertia and friction; output side [N m]."""
+    """On the child about +axis, and of the motor with rotor inertia and friction; output-referred [N m; N if
+    prismatic]."""
 
 
 class PointReading(NamedTuple):
