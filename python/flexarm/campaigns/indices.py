@@ -1,16 +1,18 @@
 """Sobol indices: the part of a result's variance that each parameter explains.
 
-From any n independent samples of y, regressed on one parameter by p functions, linear between knots at
-quantiles (of a parameter with few values: one constant each),
+From any n samples of y, regressed at once on functions of all parameters, p of each, linear between knots at
+quantiles (of a parameter with few values: one constant each), y = mean + sum_i X_i b_i + e with e of variance
+s^2, C the inverse of X^T X and C_ii its block of parameter i,
 
-    R^2 = 1 - sum (y - fit)^2 / sum (y - mean)^2,  S = 1 - (1 - R^2) (n - 1)/(n - 1 - p)                  (1)
+    S_i = (|X_i b_i|^2 - s^2 tr(X_i^T X_i C_ii)) / |y - mean|^2                                           (1)
 
-is the first-order index less what chance gives it (adjusted R^2); values below zero are chance. From
-Saltelli's rows A, B and AB_i
+is the first-order index less what chance gives it; values below zero are chance. Parameters fitted together
+are no noise of one another. With fewer than three samples a function each is fitted alone, and S_i
+is the adjusted R^2. From Saltelli's rows A, B and AB_i
 
     S_i = mean(f_B (f_AB_i - f_A)) / V,  T_i = mean((f_A - f_AB_i)^2) / (2 V)                             (2)
 
-with f centred and V its variance over A and B: first-order and total index. For a series both sums of (1) run
+with f centred and V its variance over A and B: first-order and total index. For a series the sums of (1) run
 over its instants and channels too, which is the generalised index of a vector. Sources: C. Storlie and
 J. Helton, "Multiple predictor smoothing methods for sensitivity analysis", Reliability Engineering and System
 Safety 93 (2008), 28-54; A. Saltelli et al., Computer Physics Communications 181 (2010), 259-270, table 2 (b)
@@ -20,6 +22,7 @@ Journal of Statistics 8 (2014), 575-603.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +31,7 @@ from flexarm.arrays import Floats
 
 LEAST = 40
 """Samples below which (1) says nothing."""
-RESAMPLES, MOST_RESAMPLED = 200, 4096
+RESAMPLES, MOST_RESAMPLED = 200, 1024
 """Of the bootstrap of intervals, which shrink as 1/sqrt(n), and samples in each at most."""
 
 
@@ -54,45 +57,93 @@ def from_samples(x: Floats, y: Floats, seed: int = 0) -> Indices | None:
     m = min(n, MOST_RESAMPLED)
     draws = [rng.integers(n, size=m) for _ in range(RESAMPLES)]
     bases = [_basis(column) for column in x.T]
-    first = np.array([_adjusted(basis, y) for basis in bases])
-    spread = np.array([[_adjusted(basis[draw], y[draw]) for draw in draws] for basis in bases])
+    off = y[:, None] - y.mean()
+    first = _Regression(bases).indices(off)
+    spread = np.array([_Regression([basis[draw] for basis in bases]).indices(off[draw]) for draw in draws]).T
     unknown = np.full(d, np.nan)
     return Indices(first, _interval(spread, first, np.sqrt(m / n)), unknown, np.full((d, 2), np.nan))
+
+
+class _Regression:
+    """Regression on functions of the parameters, shapes (n, p), and what it explains of given values."""
+
+    def __init__(self, bases: Sequence[Floats]) -> None:
+        self._count = len(bases[0])
+        self._sizes = [basis.shape[1] for basis in bases]
+        self._groups = self._fitted_together([basis - basis.mean(axis=0) for basis in bases])
+        self.whole = 0.0
+        self._explained = np.zeros(len(bases))
+        self._residual = np.zeros(len(bases))
+
+    def _fitted_together(self, bases: list[Floats]) -> list[tuple[Floats, Floats, list[int]]]:
+        """Return functions, C of (1) and the parameters of each fit."""
+        together = 3 * sum(self._sizes) <= self._count
+        groups = [list(range(len(bases)))] if together else [[i] for i in range(len(bases))]
+        columns = [np.hstack([bases[i] for i in group]) for group in groups]
+        return [(X, np.linalg.pinv(X.T @ X), group) for X, group in zip(columns, groups, strict=True)]
+
+    def add(self, off: Floats) -> None:
+        """Take up values without their means, shape (n, columns)."""
+        whole = float(np.sum(off**2))
+        self.whole += whole
+        for X, C, group in self._groups:
+            along = X.T @ off
+            b = C @ along
+            self._residual[group] += whole - float(np.sum(b * along))
+            for i, own in self._blocks(group):
+                self._explained[i] += float(np.sum((X[:, own] @ b[own]) ** 2))
+
+    def indices(self, off: Floats | None = None) -> Floats:
+        """Return S of (1) of all that was given, and of `off`."""
+        if off is not None:
+            self.add(off)
+        if self.whole == 0:
+            return np.zeros(len(self._sizes))
+        chance = np.zeros(len(self._sizes))
+        for X, C, group in self._groups:
+            free = max(self._count - 1 - X.shape[1], 1)
+            for i, own in self._blocks(group):
+                chance[i] = np.sum((X[:, own].T @ X[:, own]) * C[own, own].T) * self._residual[i] / free
+        return np.asarray((self._explained - chance) / self.whole)  # eq. (1)
+
+    @property
+    def unexplained(self) -> float:
+        """The greatest part of the variance that a fit leaves."""
+        return float(self._residual.max()) / self.whole if self.whole else 1.0
+
+    def _blocks(self, group: list[int]) -> Iterator[tuple[int, slice]]:
+        """Yield parameters of a fit with their columns."""
+        ends = np.cumsum([self._sizes[i] for i in group])
+        for i, end in zip(group, ends, strict=True):
+            yield i, slice(int(end) - self._sizes[i], int(end))
 
 
 class SeriesIndices:
     """First-order indices (1) of a series, gathered piece by piece, of samples x of parameters, (n, d)."""
 
     def __init__(self, x: Floats) -> None:
-        self._bases = [_basis(column) for column in x.T]
-        self._count = len(x)
-        self._whole = 0.0
-        self._explained = np.zeros(x.shape[1])
+        bases = [_basis(column) for column in x.T]
+        self._regression = _Regression(bases)
+        self._count, self._functions = len(x), max(basis.shape[1] for basis in bases)
 
     def add(self, y: Floats) -> None:
         """Take up values, shape (n, columns), of some instants and channels."""
-        off = y - y.mean(axis=0)
-        self._whole += float(np.sum(off**2))
-        self._explained += [float(np.sum((basis.T @ off) ** 2)) for basis in self._bases]
+        self._regression.add(y - y.mean(axis=0))
 
     @property
     def variance(self) -> float:
         """Sum of the variances of all columns."""
-        return self._whole / self._count
+        return self._regression.whole / self._count
 
     @property
     def chance(self) -> float:
-        """Twice the standard deviation of an index of a parameter without influence, sqrt(2 p)/n."""
-        return 2 * float(np.sqrt(2 * max(basis.shape[1] for basis in self._bases))) / self._count
+        """Twice the deviation of an index without influence: sqrt(2 p)/n of what fits leave."""
+        return 2 * float(np.sqrt(2 * self._functions)) / self._count * self._regression.unexplained
 
     @property
     def first(self) -> Floats:
         """The indices."""
-        if self._whole == 0:
-            return np.zeros(len(self._bases))
-        ratios = self._explained / self._whole
-        sizes = [basis.shape[1] for basis in self._bases]
-        return np.array([_less_chance(r, self._count, p) for r, p in zip(ratios, sizes, strict=True)])
+        return self._regression.indices()
 
 
 def from_saltelli(f: Floats, seed: int = 0) -> Indices | None:
@@ -121,21 +172,6 @@ def _basis(x: Floats) -> Floats:
     columns = columns - columns.mean(axis=0)
     scale = np.abs(columns).max(axis=0)
     return np.asarray(np.linalg.qr(columns[:, scale > 0] / scale[scale > 0])[0])
-
-
-def _adjusted(basis: Floats, y: Floats) -> float:
-    """Return S of (1)."""
-    off, columns = y - y.mean(), basis - basis.mean(axis=0)
-    whole, along = float(off @ off), columns.T @ off
-    if whole == 0:
-        return 0.0
-    fit, _, p, _ = np.linalg.lstsq(columns.T @ columns, along)  # a resample may lack a value
-    return _less_chance(float(along @ fit) / whole, len(y), int(p))
-
-
-def _less_chance(ratio: float, n: int, p: int) -> float:
-    """Return S of (1), given R^2."""
-    return 1 - (1 - ratio) * (n - 1) / max(n - 1 - p, 1)  # eq. (1)
 
 
 def _swapped(f: Floats) -> tuple[Floats, Floats]:
