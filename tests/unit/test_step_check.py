@@ -6,6 +6,7 @@ import re
 import diagnoses
 import numpy as np
 import pytest
+from arms import beam, hinge, point
 
 import flexarm
 from flexarm.cli.run import run
@@ -35,6 +36,40 @@ def test_a_coarse_step_is_told_with_the_step_that_is_fine_enough(exact):
     assert (signal, stated) == ("tip", "10") and float(times) > 0.5
     assert float(wanted) == pytest.approx(10 * np.sqrt(0.5 / float(times)), rel=0.1)  # order two
     assert told(exact, 1e-3 * float(wanted)) == []
+
+
+def test_the_step_that_controllers_leave_is_halved():
+    """Controllers that sample every 4 ms leave no step of 20 ms: half of 4 ms is tried."""
+    arm = flexarm.Arm.from_dict(
+        {
+            "joints": [hinge("hinge", "rod")],
+            "links": [beam("rod", [0, 0, 1.0], {"shape": "round", "diameter": 0.05})],
+            "points": [point("tip", "rod", [0, 0, 1.0])],
+            "controllers": [
+                {
+                    "type": "cascade",
+                    "joint": "hinge",
+                    "position_gain": 10.0,
+                    "velocity_gain": 50.0,
+                    "sample_time": 4e-3,
+                }
+            ],
+        }
+    )
+    t = np.linspace(0, 1, 101)
+    told_to = flexarm.Signal(
+        name="command",
+        quantity="joint_command",
+        joint="hinge",
+        time=t,
+        values=0.1 * np.sin(4 * t)[:, None] ** 2,
+    )
+    tip = flexarm.Signal(
+        name="tip", quantity="position", point="tip", time=t, values=np.zeros((101, 3)), noise_std=1e-9
+    )
+    record = flexarm.Record(signals=[told_to, tip], drive=("command",))
+    notes = compare(arm, record, step=0.02, align=False, check_step=True).notes
+    assert any("half the time step of 4 ms moves the prediction" in note for note in notes), notes
 
 
 def test_no_run_is_added_unless_it_is_asked_for(exact):

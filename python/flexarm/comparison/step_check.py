@@ -31,6 +31,7 @@ def step_notes(arm: Arm, pair: AlignedRecord, step: float, alpha: float) -> Iter
     """
     if pair.record.kind == "static":
         return
+    step = step_taken(pair, step)
     try:
         finer = simulate_record(arm, pair.record, align=False, step=step / 2, alpha=alpha)
     except NotConverged:
@@ -40,6 +41,11 @@ def step_notes(arm: Arm, pair: AlignedRecord, step: float, alpha: float) -> Iter
         said = step_note(change(pair, finer, signal), noise, step)
         if said:
             yield f"{signal.name}: {said}"
+
+
+def step_taken(pair: AlignedRecord, asked: float) -> float:
+    """Return the step of a simulation [s]: less than is asked for where controllers sample more often."""
+    return float(pair.simulated.simulation.solver.get("step", asked))
 
 
 def step_note(moved: float, noise: float, step: float) -> str:

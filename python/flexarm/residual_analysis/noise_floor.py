@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord, by_name, simulate_record
 from flexarm.comparison.bands import band_split
-from flexarm.comparison.step_check import change, step_note
+from flexarm.comparison.step_check import change, step_note, step_taken
 from flexarm.errors import NotConverged
 from flexarm.measurement.drive_noise import drive_noise
 from flexarm.measurement.outliers import outliers
@@ -292,7 +292,7 @@ def noise_floor(
     signals: list[SignalFloor] = []
     for name, pair in records.items():
         signals += _floors(name, pair, _variants(pair, step, alpha, thorough or name == fastest))
-    return NoiseFloor(tuple(signals), step)
+    return NoiseFloor(tuple(signals), min(step_taken(pair, step) for pair in records.values()))
 
 
 def refined(arm: Arm) -> Arm:
@@ -335,7 +335,7 @@ def _variants(pair: AlignedRecord, step: float, alpha: float, whole: bool) -> di
     arm, record = pair.simulated.arm, replace(pair.record, links={})  # the arm has these lengths already
     wanted: dict[str, tuple[Arm, float, float]] = {}
     if record.kind == "motion":
-        wanted["step"] = (arm, step / 2, alpha)  # eq. (4)
+        wanted["step"] = (arm, step_taken(pair, step) / 2, alpha)  # eq. (4)
     if whole and any(link.type == "beam" for link in arm.links):
         wanted["mesh"] = (refined(arm), step, alpha)  # eq. (5)
     if whole and record.kind == "motion":
