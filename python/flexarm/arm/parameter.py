@@ -122,7 +122,7 @@ def with_value(arm: Arm, key: str, value: float) -> Arm:
 
     Raise InvalidParameter if the key means nothing or several numbers, or the value is not allowed.
     """
-    (name, path), *others = _paths(arm, key)
+    (name, path), *others = _paths(arm, key, "key")
     if others:
         names = ", ".join(each for each, _ in [(name, path), *others])
         raise InvalidParameter(f"must name one number, got {key!r}, which are {names}", where="key")
@@ -179,27 +179,27 @@ def _unit(arm: Arm, path: Path) -> str:
     return unit_of(type(owner).model_fields[field])
 
 
-def _paths(arm: Arm, key: str) -> list[tuple[str, Path]]:
+def _paths(arm: Arm, key: str, where: str = "sensitivities") -> list[tuple[str, Path]]:
     """Full keys and paths; several for a vector without a component."""
     stem, _, last = key.rpartition(".")
     component = last if (last in COMPONENTS or last.isdigit()) and stem.count(".") >= 2 else None
     try:
         place = owner_of(arm, key if component is None else stem)
     except ValueError as error:
-        raise InvalidParameter(str(error), where="sensitivities") from None
+        raise InvalidParameter(str(error), where=where) from None
     value = getattr(place.owner, place.field)
     size = len(value) if isinstance(value, tuple) else None
     stem = ".".join((*place.prefix, place.field))
     if size is None and component is not None:
-        raise InvalidParameter(f"{key}: {stem} has no components", where="sensitivities")
+        raise InvalidParameter(f"{key}: {stem} has no components", where=where)
     if size is None and not isinstance(value, float):
         what = f"{key} = {value!r} is not a real number that can change"
-        raise InvalidParameter(what, where="sensitivities")
+        raise InvalidParameter(what, where=where)
     if size is None:
         return [(stem, Path(place.table, place.index, place.fields, None))]
     names = component_names(type(place.owner).model_fields[place.field], size)
     if component is not None and component not in names:
-        raise InvalidParameter(f"{key}: {stem} has {size} components", where="sensitivities")
+        raise InvalidParameter(f"{key}: {stem} has {size} components", where=where)
     return [
         (f"{stem}.{name}", Path(place.table, place.index, place.fields, k))
         for k, name in enumerate(names)
