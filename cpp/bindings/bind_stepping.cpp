@@ -171,6 +171,46 @@ void bind_steps(py::module_& m) {
       .def_property_readonly("statistics", &Stepping::statistics);
 }
 
+/// Readings of one state after another. Their consistent forces share a factorisation, and readings of the
+/// same state one solution.
+class Readings {
+ public:
+  explicit Readings(const System& system) : system_(system), forces_(system) {}
+
+  auto joint(const py::object& state, int joint) {
+    take(state);
+    checks::index("joint", joint, system_.joints().size());
+    const auto at = system_.joints()[static_cast<std::size_t>(joint)];
+    const auto angle = [&](int s) { return s < 0 ? 0.0 : state_.s[s]; };
+    const auto rate = [&](int s) { return s < 0 ? 0.0 : state_.v[system_.scalar_offset() + s]; };
+    return std::tuple(angle(at.theta), rate(at.theta), angle(at.phi), rate(at.phi),
+                      joint_torque(system_, state_, joint), motor_torques(system_, state_, true)[joint]);
+  }
+
+  auto point(const py::object& state, int point) {
+    take(state);
+    checks::index("point", point, system_.points().size());
+    const auto H = system_.point_frame(state_, point);
+    const auto V = system_.point_velocity(state_, point);
+    return std::tuple(H.x, Eigen::Vector3d(H.R * V.head<3>()), H.R, Eigen::Vector3d(V.tail<3>()),
+                      point_acceleration(system_, state_, point));
+  }
+
+ private:
+  void take(const py::object& given) {
+    if (given.is(given_)) return;
+    const auto& state = given.cast<const State&>();
+    checks::fits(system_, state);
+    state_ = forces_.of(state);
+    given_ = given;
+  }
+
+  const System& system_;
+  ConsistentForcesIn<3> forces_;
+  py::object given_;
+  State state_;
+};
+
 void bind_snapshots(py::module_& m) {
   py::class_<Snapshots>(m, "Snapshots", "States looked at one by one.")
       .def_readonly("run", &Snapshots::run)
@@ -217,33 +257,14 @@ void bind_snapshots(py::module_& m) {
         return rows;
       },
       "Row of theta and phi of each joint among the velocities, -1 without.", py::arg("system"));
-  m.def(
-      "joint_reading",
-      [](const System& system, const State& state, int joint) {
-        checks::fits(system, state);
-        checks::index("joint", joint, system.joints().size());
-        const auto at = system.joints()[static_cast<std::size_t>(joint)];
-        const auto angle = [&](int s) { return s < 0 ? 0.0 : state.s[s]; };
-        const auto rate = [&](int s) { return s < 0 ? 0.0 : state.v[system.scalar_offset() + s]; };
-        ConsistentForcesIn<3> forces(system);
-        const State& now = forces.of(state);
-        return std::tuple(angle(at.theta), rate(at.theta), angle(at.phi), rate(at.phi),
-                          joint_torque(system, now, joint), motor_torques(system, now, true)[joint]);
-      },
-      "Angle and rate of link and drive, torque on the child and of the motor.", py::arg("system"),
-      py::arg("state"), py::arg("joint"));
-  m.def(
-      "point_reading",
-      [](const System& system, const State& state, int point) {
-        checks::fits(system, state);
-        checks::index("point", point, system.points().size());
-        const auto H = system.point_frame(state, point);
-        const auto V = system.point_velocity(state, point);
-        return std::tuple(H.x, Eigen::Vector3d(H.R * V.head<3>()), H.R, Eigen::Vector3d(V.tail<3>()),
-                          point_acceleration(system, ConsistentForcesIn<3>(system).of(state), point));
-      },
-      "Position, velocity, rotation, angular rate (own axes) and acceleration of a point.", py::arg("system"),
-      py::arg("state"), py::arg("point"));
+  py::class_<Readings>(m, "Readings", "Joints and points of one state after another.")
+      .def(py::init<const System&>(), py::arg("system"), py::keep_alive<1, 2>())
+      .def("joint", &Readings::joint,
+           "Angle and rate of link and drive, torque on the child and of the motor.", py::arg("state"),
+           py::arg("joint"))
+      .def("point", &Readings::point,
+           "Position, velocity, rotation, angular rate (own axes) and acceleration of a point.",
+           py::arg("state"), py::arg("point"));
 }
 
 }  // namespace

@@ -488,7 +488,7 @@ def test_a_plot_leaves_out_what_does_not_answer() -> None:
         ({"joints": {"wrist": 1.0}}, "no moving joint 'wrist'"),
         ({"inputs": {"wrist": "torque"}}, "no moving joint 'wrist'; there are shoulder, elbow"),
         ({"inputs": {"nose": "force"}}, "no point 'nose'; there are middle, tip"),
-        ({"inputs": {"elbow": "push"}}, "must be one of angle, acceleration, torque, free, locked, force"),
+        ({"inputs": {"elbow": "push"}}, "must be one of angle, acceleration, torque, free, locked, got"),
         ({"inputs": [("elbow", "angle"), ("elbow", "torque")]}, r"inputs\.elbow: is given twice"),
         ({"inputs": [("tip", "force"), ("tip", "force")]}, r"inputs\.tip: is given twice"),
         ({"outputs": ["nose"]}, "no sensor, point or moving joint 'nose'"),

@@ -165,12 +165,11 @@ def _force_columns(
     """Return the work of a unit force at a point along every column of S: the point's velocity."""
     S, still = motion.motions, np.zeros(len(motion.M))
     found = np.zeros((S.shape[1], len(asked)))
-    points = [point.name for point in arm.points]
+    points, readings = [point.name for point in arm.points], _core.Readings(system)
     for name in {port.place for port in asked if port.kind == "force"}:
         p = points.index(name)
         velocity = [
-            _core.point_reading(system, _core.displaced(system, state, still, column, still), p)[1]
-            for column in S.T
+            readings.point(_core.displaced(system, state, still, column, still), p)[1] for column in S.T
         ]
         for k, port in enumerate(asked):
             if port.kind == "force" and port.place == name:

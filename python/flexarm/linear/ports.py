@@ -59,7 +59,10 @@ def ports(arm: Arm, asked: Asked | None, held: Iterable[str] = ()) -> tuple[list
     told: set[str] = set()
     for name, kind in pairs:
         if kind not in KINDS:
-            raise InvalidParameter(f"must be one of {', '.join(KINDS)}, got {kind!r}", where=f"inputs.{name}")
+            allowed = KINDS[:-1] if name in moving else KINDS[-1:]
+            raise InvalidParameter(
+                f"must be one of {', '.join(allowed)}, got {kind!r}", where=f"inputs.{name}"
+            )
         places = [point.name for point in arm.points] if kind == "force" else list(moving)
         if name not in places:
             what = "point" if kind == "force" else "moving joint"

@@ -90,6 +90,7 @@ class Stepper:
         self._system = assemble(arm, self._inputs.kinds(), loaded=self._forces)
         self._following = following_joints(arm, self._inputs.kinds(), ())
         self._core = _core.Stepping(self._system, float(step), float(alpha))
+        self._readings = _core.Readings(self._system)
         self._key = self._hash()
         self._step = float(step)
 
@@ -172,7 +173,7 @@ class Stepper:
             If there is no such joint.
         """
         at = _index(self._joints, name, "joint")
-        return JointReading(*_core.joint_reading(self._system, self._moment(state).state, at))
+        return JointReading(*self._readings.joint(self._moment(state).state, at))
 
     def point(self, state: State, name: str) -> PointReading:
         """Position, velocity, acceleration, rotation and angular rate of a point.
@@ -183,7 +184,7 @@ class Stepper:
             If there is no such point.
         """
         at = _index(self._points, name, "point")
-        x, v, R, omega, a = _core.point_reading(self._system, self._moment(state).state, at)
+        x, v, R, omega, a = self._readings.point(self._moment(state).state, at)
         return PointReading(x, v, a, R, omega)
 
     def sensor(self, state: State, name: str) -> Floats:
