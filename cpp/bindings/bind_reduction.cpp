@@ -118,18 +118,18 @@ void bind_reports(py::module_& m) {
       .def_readonly("seconds_matrices", &ReductionStatistics::seconds_matrices)
       .def_readonly("seconds_quality", &ReductionStatistics::seconds_quality)
       .def_readonly("seconds", &ReductionStatistics::seconds);
-  py::class_<Quality>(m, "ReductionQuality", "What a reduction is good for.")
-      .def_readonly("left_out_frequency_hz", &Quality::left_out_frequency_hz)
-      .def_readonly("trusted_frequency_hz", &Quality::trusted_frequency_hz)
-      .def_readonly("mass", &Quality::mass)
-      .def_readonly("centre", &Quality::centre)
-      .def_readonly("inertia", &Quality::inertia, "About the centre of mass.")
-      .def_readonly("effective_mass", &Quality::effective_mass, "(mode, 6) [kg, kg m2]")
-      .def_readonly("movable_mass", &Quality::movable_mass, "(6) of all modes together.")
-      .def_readonly("mode_residual", &Quality::mode_residual)
-      .def_readonly("free_frequency_hz", &Quality::free_frequency_hz)
-      .def_readonly("free_frequency_error", &Quality::free_frequency_error)
-      .def_readonly("rigid_body_correction", &Quality::rigid_body_correction);
+  py::class_<ReductionQuality>(m, "ReductionQuality", "What a reduction is good for.")
+      .def_readonly("left_out_frequency_hz", &ReductionQuality::left_out_frequency_hz)
+      .def_readonly("trusted_frequency_hz", &ReductionQuality::trusted_frequency_hz)
+      .def_readonly("mass", &ReductionQuality::mass)
+      .def_readonly("centre", &ReductionQuality::centre)
+      .def_readonly("inertia", &ReductionQuality::inertia, "About the centre of mass.")
+      .def_readonly("effective_mass", &ReductionQuality::effective_mass, "(mode, 6) [kg, kg m2]")
+      .def_readonly("movable_mass", &ReductionQuality::movable_mass, "(6) of all modes together.")
+      .def_readonly("mode_residual", &ReductionQuality::mode_residual)
+      .def_readonly("free_frequency_hz", &ReductionQuality::free_frequency_hz)
+      .def_readonly("free_frequency_error", &ReductionQuality::free_frequency_error)
+      .def_readonly("rigid_body_correction", &ReductionQuality::rigid_body_correction);
 }
 
 }  // namespace

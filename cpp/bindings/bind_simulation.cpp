@@ -55,7 +55,7 @@ std::vector<std::optional<Transient>> run_side_by_side(
   return simulate_side_by_side(variants, drives, options, poll);
 }
 
-/// Two models beside the system, p up and p down, and what drives them where that depends on p.
+/// Two models of the system, with p raised and lowered, and what drives them where that depends on p.
 struct Varied {
   std::shared_ptr<System> plus, minus;
   double up, down;

@@ -41,7 +41,7 @@ void bind_build_info(py::module_& m) {
   using flexarm::BuildInfo;
   py::class_<BuildInfo>(m, "BuildInfo", "Versions, backends and licence of the core.")
       .def_readonly("version", &BuildInfo::version)
-      .def_readonly("git", &BuildInfo::git, "Empty where it is unknown.")
+      .def_readonly("git", &BuildInfo::git_commit, "Empty where it is unknown.")
       .def_readonly("compiler", &BuildInfo::compiler)
       .def_readonly("build_type", &BuildInfo::build_type)
       .def_readonly("eigen", &BuildInfo::eigen)

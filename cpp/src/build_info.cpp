@@ -37,7 +37,7 @@ std::string licence() {
 BuildInfo collect() {
   BuildInfo info;
   info.version = FLEXARM_VERSION;
-  info.git = FLEXARM_GIT;
+  info.git_commit = FLEXARM_GIT;
   info.compiler = FLEXARM_COMPILER;
   info.build_type = FLEXARM_BUILD_TYPE;
   info.eigen = FLEXARM_EIGEN_VERSION;

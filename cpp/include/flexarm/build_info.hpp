@@ -1,18 +1,18 @@
 /// @file
-/// What this build of the core is made of: versions, backends and the licence that follows from them.
+/// Versions, backends and licence of this build of the core.
 #pragma once
 #include <string>
 
 namespace flexarm {
 
 struct BuildInfo {
-  std::string version, git;  // git is empty where it is unknown or asked at run time
+  std::string version, git_commit;  ///< the commit is empty where it is unknown or asked at run time
   std::string compiler, build_type;
-  std::string eigen, suitesparse;  // versions; suitesparse is empty where it is not used
-  std::string solver, ordering;    // of the matrix of a step
-  std::string cholmod;             // which parts of it factorise solid parts; what stands in for it
-  std::string blas;                // as loaded now; NumPy has its own
-  std::string licence;             // of the core with the libraries it links
+  std::string eigen, suitesparse;  ///< versions; suitesparse is empty where it is not used
+  std::string solver, ordering;    ///< of the matrix of a step
+  std::string cholmod;             ///< its factorisation and orderings of solid parts, or what replaces it
+  std::string blas;                ///< as loaded now; NumPy has its own
+  std::string licence;             ///< of the core with the libraries it links
 };
 
 const BuildInfo& build_info();

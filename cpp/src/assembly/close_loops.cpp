@@ -34,8 +34,8 @@ constexpr double least_leverage = 1e-5;
 constexpr int most_tries = 40;
 // Poses near the first one that are asked for the rank of the conditions, too: where links are in line some
 // repeat only there. Joints differ by up to the second number [rad, parts of the reach].
-constexpr int most_neighbours = 3;
-constexpr double neighbourhood = 0.1;
+constexpr int most_nearby_poses = 3;
+constexpr double nearby = 0.1;
 // Driven joints move from where the loop was closed first in steps up to this, so that it stays closed the
 // same way [rad, parts of the reach].
 constexpr double drive_step = 0.1;
@@ -119,10 +119,10 @@ bool System::axes_agree(const std::vector<double>& joint_values) const {
 
 namespace {
 
-/// Random values near others of some joints.
-std::vector<double> beside(const model::Arm& arm, std::vector<double> values, const std::vector<int>& joints,
-                           double reach, std::mt19937& generator) {
-  std::uniform_real_distribution<double> any(-neighbourhood, neighbourhood);
+/// Random values near those of some joints.
+std::vector<double> nearby_values(const model::Arm& arm, std::vector<double> values,
+                                  const std::vector<int>& joints, double reach, std::mt19937& generator) {
+  std::uniform_real_distribution<double> any(-nearby, nearby);
   for (const int j : joints) {
     values[j] += any(generator) * (arm.joints[j].type == joints::JointType::prismatic ? reach : 1.0);
   }
@@ -302,10 +302,10 @@ void System::close_loops() {
 
   MatrixXd N = held_by_others(open_state(assembled_), true);
   std::mt19937 generator(1);
-  for (int k = 0; k < most_neighbours && N.cols() > 0; ++k) {
-    const Closed nearby = newton(beside(arm_, assembled_, joints, reach_, generator), joints);
-    if (!nearby.met) continue;
-    const MatrixXd other = held_by_others(open_state(nearby.values), true);
+  for (int k = 0; k < most_nearby_poses && N.cols() > 0; ++k) {
+    const Closed pose = newton(nearby_values(arm_, assembled_, joints, reach_, generator), joints);
+    if (!pose.met) continue;
+    const MatrixXd other = held_by_others(open_state(pose.values), true);
     if (other.cols() < N.cols()) N = other;
   }
   if (N.cols() == 0) return;
@@ -377,9 +377,9 @@ std::vector<int> System::joints_to_hold(const std::vector<int>& held,
   }
   std::vector<std::vector<double>> poses = {assembled_};
   std::mt19937 generator(1);
-  for (int k = 0; k < most_neighbours; ++k) {
-    const Closed nearby = newton(beside(arm_, assembled_, joints, reach_, generator), joints);
-    if (nearby.met) poses.push_back(nearby.values);
+  for (int k = 0; k < most_nearby_poses; ++k) {
+    const Closed pose = newton(nearby_values(arm_, assembled_, joints, reach_, generator), joints);
+    if (pose.met) poses.push_back(pose.values);
   }
   const auto rank = [&](const std::vector<int>& of) {
     Eigen::Index most = 0;

@@ -59,8 +59,8 @@ bool IterationMatrixIn<D>::significant_entries_join() {
   std::size_t k = 0;
   for (int column = 0; column < full_.outerSize(); ++column) {
     for (Entry it(full_, column); it; ++it, ++k) {
-      const double beside = std::sqrt(largest[it.row()]) * std::sqrt(largest[column]);
-      if (kept_[k] || !(std::abs(it.value()) > negligible * beside)) continue;
+      const double scale = std::sqrt(largest[it.row()]) * std::sqrt(largest[column]);
+      if (kept_[k] || !(std::abs(it.value()) > negligible * scale)) continue;
       kept_[k] = grown = true;
     }
   }

@@ -156,7 +156,7 @@ class Projection {
       }
       const double off_a = at_a.normal().dot(X_a.x), off_b = at_b.normal().dot(X_b.x);
       if (std::max(grounded ? 0.0 : std::abs(off_a), std::abs(off_b)) > rounding * length) {
-        return refuse(name + " stands beside the plane of the links that it joins");
+        return refuse(name + " stands out of the plane of the links that it joins");
       }
       const int q = joint.coordinate();
       flat_->constraints_.emplace_back(joint.type(), joint.node_a(), in_plane(X_a, at_a, a_axes),
@@ -183,12 +183,12 @@ class Projection {
       const PlaneAxes &at_a = side(closure.node_a()), &at_b = side(closure.node_b());
       auto part = closure.planar_part(at_a, at_b);
       if (!part) return refuse(name + " ties what lies across the plane to what lies within");
-      const auto beside = [&](int node, const Vector3d& x) {
+      const auto distance = [&](int node, const Vector3d& x) {
         return node < 0 || node == system_.pedestal().node ? 0.0 : std::abs(side(node).normal().dot(x));
       };
-      if (std::max(beside(closure.node_a(), closure.frame_a().x),
-                   beside(closure.node_b(), closure.frame_b().x)) > rounding * system_.reach()) {
-        return refuse(name + " stands beside the plane of the links that it joins");
+      if (std::max(distance(closure.node_a(), closure.frame_a().x),
+                   distance(closure.node_b(), closure.frame_b().x)) > rounding * system_.reach()) {
+        return refuse(name + " stands out of the plane of the links that it joins");
       }
       std::optional<BeamSlideIn<2>> slide;
       if (const auto& in_space = loops.slide(k)) {
@@ -253,7 +253,7 @@ class Projection {
     for (int k = 0; k < system_.n_nodes(); ++k) {
       const elements::Weight& weight = system_.weights()[k];
       if (std::abs(flat_->axes_[k].normal().dot(weight.moment)) > reduced * system_.mass() * length) {
-        return refuse("the weight of link '" + link_of(k) + "' pulls beside the plane");
+        return refuse("the weight of link '" + link_of(k) + "' pulls out of the plane");
       }
       flat_->weights_.push_back({weight.mass, flat_->axes_[k].part(weight.moment)});
     }

@@ -28,10 +28,9 @@ double Split::coupling(const MatrixXd& A) const {
   const Eigen::ArrayXd p = (within.transpose() * A * within).diagonal();
   const Eigen::ArrayXd q = (across.transpose() * A * across).diagonal();
   const double translation = p.size() > 1 ? std::max({p[0], p[1], q[0]}) : 0.0;
-  const Eigen::VectorXd beside_p = p.max(translation).sqrt(), beside_q = q.max(translation).sqrt();
+  const Eigen::VectorXd scale_p = p.max(translation).sqrt(), scale_q = q.max(translation).sqrt();
   const Eigen::MatrixXd between = across.transpose() * A * within;
-  return translation > 0 ? (between.array() / (beside_q * beside_p.transpose()).array()).abs().maxCoeff()
-                         : 0.0;
+  return translation > 0 ? (between.array() / (scale_q * scale_p.transpose()).array()).abs().maxCoeff() : 0.0;
 }
 
 ModeSplit split_modes(const elements::SuperElement& part, const PlaneAxes& axes) {
@@ -43,7 +42,7 @@ ModeSplit split_modes(const elements::SuperElement& part, const PlaneAxes& axes)
   const MatrixXd shapes = std::sqrt(M(0, 0)) * vectors;  // unit columns where M is mass times I
   const Split split(axes, nodes, 1.0);
   const MatrixXd coupling = split.within.transpose() * part.mass().topRightCorner(6 * nodes, m) * shapes;
-  const double beside = part.mass().diagonal().maxCoeff();
+  const double largest_mass = part.mass().diagonal().maxCoeff();
 
   ModeSplit found{MatrixXd(m, 0), MatrixXd(m, 0)};
   const auto append = [](MatrixXd& to, const MatrixXd& columns) {
@@ -55,7 +54,7 @@ ModeSplit split_modes(const elements::SuperElement& part, const PlaneAxes& axes)
     for (next = first + 1; next < m && omega_squared[next] < (1 + 1e-6) * omega_squared[next - 1];) ++next;
     const int size = next - first;
     const auto turned = dense::right_singular(coupling.middleCols(first, size));
-    const Eigen::Index moved = (turned.values.array() > reduced * beside).count();
+    const Eigen::Index moved = (turned.values.array() > reduced * largest_mass).count();
     const MatrixXd group = shapes.middleCols(first, size) * turned.vectors;
     append(found.kept, group.leftCols(moved));
     append(found.left_out, group.rightCols(size - moved));

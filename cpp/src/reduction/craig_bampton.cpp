@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "flexarm/eigen/block_lanczos.hpp"
 #include "flexarm/errors.hpp"
 #include "flexarm/reduction/guyan.hpp"
 
@@ -126,9 +127,9 @@ ReducedPart reduce_part(const LowerTriangle& K, const LowerTriangle& M, const Co
   Psi.resize(0, 0);
 
   phases.begin("quality", statistics.seconds_quality);
-  Quality& quality = reduced.quality;
+  ReductionQuality& quality = reduced.quality;
   quality.mode_residual = modes.residual;
-  weigh(M, coordinates, maps, support, modes.shapes, quality);
+  compute_mass_properties(M, coordinates, maps, support, modes.shapes, quality);
   phases.tell(0.5);
   estimate_errors(K, M, part, reduced.recovery, reduced.stiffness, reduced.mass, modes.next_lambda, quality);
 

@@ -52,7 +52,7 @@ struct Scatter {
     const Coordinates d = x.rowwise() - mean.transpose();
     matrix = d.transpose() * w.asDiagonal() * d;
   }
-  /// The second largest principal scatter vanishes beside the largest.
+  /// The second largest principal scatter vanishes against the largest.
   bool on_a_line() const {
     const Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(matrix).eigenvalues();
     return !(moments[1] > collinear * collinear * moments[2]);

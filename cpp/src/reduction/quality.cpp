@@ -72,8 +72,9 @@ VectorXd movable(const LowerTriangle& M, const InterfaceMaps& maps, const Matrix
 
 }  // namespace
 
-void weigh(const LowerTriangle& M, const Coordinates& coordinates, const InterfaceMaps& maps,
-           const Support& support, const MatrixXd& shapes, Quality& quality) {
+void compute_mass_properties(const LowerTriangle& M, const Coordinates& coordinates,
+                             const InterfaceMaps& maps, const Support& support, const MatrixXd& shapes,
+                             ReductionQuality& quality) {
   const MatrixXd about_mean = rigid_motion(coordinates, support.centre);
   const MatrixXd rough = about_mean.transpose() * linear_solvers::multiply(M, about_mean);
   quality.mass = rough.topLeftCorner<3, 3>().trace() / 3;
@@ -91,7 +92,7 @@ void weigh(const LowerTriangle& M, const Coordinates& coordinates, const Interfa
 
 void estimate_errors(const LowerTriangle& K, const LowerTriangle& M, const FixedInterface& part,
                      const MatrixXd& T, const MatrixXd& stiffness, const MatrixXd& mass,
-                     double left_out_lambda, Quality& quality) {
+                     double left_out_lambda, ReductionQuality& quality) {
   quality.left_out_frequency_hz = std::sqrt(left_out_lambda) / (2 * pi);
   quality.trusted_frequency_hz = quality.left_out_frequency_hz / safety;
   if (!dense::is_positive_definite(mass)) return;  // interfaces without mass: no free modes

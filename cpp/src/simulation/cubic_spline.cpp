@@ -19,21 +19,21 @@ double end_condition(double h_0, double h_1, double delta_0, double delta_1) {
 /// positive pivots only: h_k + h_{k−1} or more in the rows (1), h²_{m−2}/(2 h_{m−2} + h_{m−1}) in the last.
 VectorXd slopes(const VectorXd& h, const VectorXd& delta) {
   const Index m = h.size();
-  VectorXd pivot(m + 1), beside(m), d(m + 1);
+  VectorXd pivot(m + 1), superdiagonal(m), d(m + 1);
   pivot[0] = h[1];
-  beside[0] = h[0] + h[1];
+  superdiagonal[0] = h[0] + h[1];
   d[0] = end_condition(h[0], h[1], delta[0], delta[1]);  // eq. (2)
   for (Index k = 1; k < m; ++k) {                        // eq. (1)
     const double factor = h[k] / pivot[k - 1];
-    pivot[k] = 2 * (h[k - 1] + h[k]) - factor * beside[k - 1];
-    beside[k] = h[k - 1];
+    pivot[k] = 2 * (h[k - 1] + h[k]) - factor * superdiagonal[k - 1];
+    superdiagonal[k] = h[k - 1];
     d[k] = 3 * (h[k] * delta[k - 1] + h[k - 1] * delta[k]) - factor * d[k - 1];
   }
   const double factor = (h[m - 1] + h[m - 2]) / pivot[m - 1];
-  pivot[m] = h[m - 2] - factor * beside[m - 1];
+  pivot[m] = h[m - 2] - factor * superdiagonal[m - 1];
   d[m] = end_condition(h[m - 1], h[m - 2], delta[m - 1], delta[m - 2]) - factor * d[m - 1];
   d[m] /= pivot[m];
-  for (Index k = m - 1; k >= 0; --k) d[k] = (d[k] - beside[k] * d[k + 1]) / pivot[k];
+  for (Index k = m - 1; k >= 0; --k) d[k] = (d[k] - superdiagonal[k] * d[k + 1]) / pivot[k];
   return d;
 }
 

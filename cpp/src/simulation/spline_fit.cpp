@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include "flexarm/errors.hpp"
 
@@ -41,9 +42,15 @@ class IntervalBasis {
 };
 
 void check_breaks(const SampleRef& time, const BreakRef& breaks) {
-  bool right = breaks.size() > 1 && breaks[0] == 0 && breaks[breaks.size() - 1] == time.size() - 1;
-  for (Index k = 1; right && k < breaks.size(); ++k) right = breaks[k - 1] < breaks[k];
-  if (!right) throw InvalidParameter("breaks of a spline must rise from its first sample to its last");
+  bool rising = breaks.size() > 1 && breaks[0] == 0 && breaks[breaks.size() - 1] == time.size() - 1;
+  for (Index k = 1; rising && k < breaks.size(); ++k) {
+    rising = breaks[k - 1] < breaks[k] && time[breaks[k - 1]] < time[breaks[k]];
+  }
+  if (!rising) {
+    throw InvalidParameter(
+        "breaks of a spline, and its instants there, must rise from its first sample to "
+        "its last");
+  }
 }
 
 /// Calls visit(interval, sample, B-splines there) for all samples; that at a break belongs to what follows
@@ -64,7 +71,10 @@ void for_each_sample(const SampleRef& time, const BreakRef& breaks, const Visit&
 
 SplineEquations spline_equations(const SampleRef& time, const SampleRef& values, const BreakRef& breaks) {
   check_breaks(time, breaks);
-  if (values.size() != time.size()) throw InvalidParameter("a spline needs one value at each instant");
+  if (values.size() != time.size()) {
+    throw InvalidParameter("a spline needs one value at each of " + std::to_string(time.size()) +
+                           " instants, got " + std::to_string(values.size()));
+  }
   const Index count = breaks.size() + 2;
   SplineEquations found{Eigen::MatrixXd::Zero(4, count), Eigen::VectorXd::Zero(count)};
   for_each_sample(time, breaks, [&](Index k, Index i, const Vector4d& b) {  // eq. (1)
@@ -79,7 +89,9 @@ SplineEquations spline_equations(const SampleRef& time, const SampleRef& values,
 Eigen::VectorXd spline_values(const SampleRef& time, const BreakRef& breaks, const SampleRef& coefficients) {
   check_breaks(time, breaks);
   if (coefficients.size() != breaks.size() + 2) {
-    throw InvalidParameter("a cubic spline has three coefficients more than intervals");
+    throw InvalidParameter("a cubic spline on " + std::to_string(breaks.size() - 1) + " intervals needs " +
+                           std::to_string(breaks.size() + 2) + " coefficients, got " +
+                           std::to_string(coefficients.size()));
   }
   Eigen::VectorXd found(time.size());
   for_each_sample(time, breaks,

@@ -6,7 +6,7 @@
 
 namespace flexarm::tests::quality_test {
 
-using flexarm::reduction::Quality;
+using flexarm::reduction::ReductionQuality;
 
 namespace {
 
@@ -23,7 +23,7 @@ TEST_CASE("The estimate of free frequencies' errors is close to the true error, 
     const VectorXd exact = hertz(FullModel(part, interfaces).free_spectrum());
     for (const int modes : {0, 3, 8, 20}) {
       CAPTURE(modes);
-      const Quality quality = part.reduce(interfaces, modes).quality;
+      const ReductionQuality quality = part.reduce(interfaces, modes).quality;
       for (Eigen::Index k = 0; k < quality.free_frequency_hz.size(); ++k) {
         const double found = quality.free_frequency_hz[k], estimate = quality.free_frequency_error[k];
         const double error = found / exact[6 + k] - 1;
@@ -46,7 +46,7 @@ TEST_CASE("A free mode close to the first one left out spoils no estimate of the
   for (int modes = 5; modes <= 45; ++modes) {
     CAPTURE(modes);
     const auto reduced = part.reduce(interfaces, modes);
-    const Quality& quality = reduced.quality;
+    const ReductionQuality& quality = reduced.quality;
     const VectorXd free = hertz(free_spectrum(reduced)) / quality.left_out_frequency_hz;
     closest = std::max(closest, (free.array() < 1).select(free.array(), 0).maxCoeff());
     const double error = quality.free_frequency_hz[0] / exact - 1;
@@ -63,7 +63,7 @@ TEST_CASE("Below the trusted frequency free frequencies are within one percent a
     const VectorXd exact = hertz(FullModel(part, interfaces).free_spectrum());
     for (const int modes : {0, 2, 4, 8, 16, 30}) {
       CAPTURE(modes);
-      const Quality quality = part.reduce(interfaces, modes).quality;
+      const ReductionQuality quality = part.reduce(interfaces, modes).quality;
       for (Eigen::Index k = 0; k < quality.free_frequency_hz.size(); ++k) {
         if (quality.free_frequency_hz[k] > quality.trusted_frequency_hz) break;
         CHECK(quality.free_frequency_hz[k] / exact[6 + k] - 1 < 0.012);
@@ -75,7 +75,7 @@ TEST_CASE("Below the trusted frequency free frequencies are within one percent a
 TEST_CASE("Effective masses of all modes add up to what can move") {
   const Part part(2, 2, 1);
   for (const auto& [first, second] : kinds) {
-    const Quality quality = part.reduce(part.ends(first, second), 1000).quality;
+    const ReductionQuality quality = part.reduce(part.ends(first, second), 1000).quality;
     const VectorXd sum = quality.effective_mass.colwise().sum();
     CHECK(relative_error(sum, quality.movable_mass) < 1e-10);
     CHECK((quality.movable_mass.head(3).array() < quality.mass).all());
@@ -86,7 +86,7 @@ TEST_CASE("Effective masses of all modes add up to what can move") {
 TEST_CASE("A bar held at both ends: effective masses of longitudinal modes are 8 m/(k π)², k odd") {
   // A slender bar without lateral contraction of its faces: fine enough along x to be a continuum.
   const Part part(60, 1, 1);
-  const Quality quality = part.reduce(part.ends(rigid, rigid), 30).quality;
+  const ReductionQuality quality = part.reduce(part.ends(rigid, rigid), 30).quality;
   Eigen::Index first = 0;
   const double largest_share = quality.effective_mass.col(0).maxCoeff(&first) / quality.mass;
   CHECK(largest_share ==
@@ -97,7 +97,7 @@ TEST_CASE("More modes leave less mass out") {
   const Part part;
   double before = 0;
   for (const int modes : {1, 4, 10, 30}) {
-    const Quality quality = part.reduce(part.ends(rigid, average), modes).quality;
+    const ReductionQuality quality = part.reduce(part.ends(rigid, average), modes).quality;
     const VectorXd share =
         quality.effective_mass.colwise().sum().transpose().cwiseQuotient(quality.movable_mass);
     CHECK(share.minCoeff() >= 0);

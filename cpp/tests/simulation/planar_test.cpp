@@ -305,7 +305,8 @@ TEST_CASE("Closures that leave the plane are named, and conditions repeated with
         doctest::Contains("closure 'rod_eye' ties what lies across"));
   arm = flat_crane_arm(true);
   arm.closures[0].a_origin.x.y() = arm.closures[0].b_origin.x.y() = 0.1;
-  CHECK(obstacle(arm, {}, driven_by("piston", arm)) == doctest::Contains("closure 'rod_eye' stands beside"));
+  CHECK(obstacle(arm, {}, driven_by("piston", arm)) ==
+        doctest::Contains("closure 'rod_eye' stands out of the plane"));
   arm = flat_crane_arm(true);
   arm.closures.push_back(arm.closures[0]);
   arm.closures[1].name = "second eye";
@@ -338,7 +339,7 @@ TEST_CASE("What leaves the plane is named") {
   CHECK(obstacle(arm) == doctest::Contains("joint 'elbow' moves out of the plane"));
   arm = flat;
   arm.joints[1].origin = Frame::translation({0, 0.1, 0});
-  CHECK(obstacle(arm) == doctest::Contains("joint 'elbow' stands beside"));
+  CHECK(obstacle(arm) == doctest::Contains("joint 'elbow' stands out of the plane"));
   arm = flat;
   arm.payloads[0].offset = {0, 0.05, 0};
   CHECK(obstacle(arm) == doctest::Contains("mass on link 'fore'"));

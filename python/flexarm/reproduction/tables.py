@@ -141,9 +141,7 @@ def zoom_window(study: Study) -> tuple[float, float]:
     return turn - 0.7 * seconds, turn + 0.3 * seconds
 
 
-def _placement(
-    study: Study, window: tuple[float, float] | None
-) -> tuple[Floats, Callable[[Floats], Floats]]:
+def _placement(study: Study, window: tuple[float, float] | None) -> tuple[Floats, Callable[[Floats], Floats]]:
     """Return the instants of a table, and a function that puts the tracker's samples among them."""
     stamps, equal = study.stamps, grid(study)
     first, last = window or (-np.inf, np.inf)

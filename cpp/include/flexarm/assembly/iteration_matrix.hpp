@@ -2,7 +2,7 @@
 /// The tangent of the equations of motion as a compressed sparse matrix whose pattern is found once: later
 /// assemblies only add numbers.
 ///
-/// Entries that are negligible beside their row and column stay out of the pattern. A plane arm thus falls
+/// Entries that are negligible against their row and column stay out of the pattern. A plane arm thus falls
 /// into its motion in the plane and across it, which halves the factors. An entry that grows later joins the
 /// pattern; Newton's iteration does not depend on the entries left out, for its residual is exact.
 #pragma once

@@ -36,7 +36,7 @@ struct ReducedPart {
   Eigen::MatrixXd inertia_load;     ///< (dof, 3) b̂, acceleration along x, y, z
   Eigen::VectorXd frequency_hz;     ///< of Φ
   Eigen::MatrixXd recovery;         ///< T = [Ψ Φ]: displacement of every freedom of the part
-  Quality quality;
+  ReductionQuality quality;
   ReductionStatistics statistics;
 };
 

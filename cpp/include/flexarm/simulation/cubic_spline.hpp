@@ -5,11 +5,11 @@
 ///
 ///     h_k d_{k−1} + 2 (h_{k−1} + h_k) d_k + h_{k−1} d_{k+1} = 3 (h_k δ_{k−1} + h_{k−1} δ_k)          (1)
 ///
-/// and the second and the last but one sample are no knots: the third derivative does not jump there,
+/// and the not-a-knot condition at both ends: the third derivative is continuous at the second sample,
 ///
 ///     h_1 d_0 + (h_0 + h_1) d_1 = [(3 h_0 + 2 h_1) h_1 δ_0 + h_0² δ_1]/(h_0 + h_1)                   (2)
 ///
-/// and likewise at the end. On an interval, with x from its start,
+/// and at the penultimate one likewise. On an interval, with x from its start,
 ///
 ///     s(x) = y_k + d_k x + (3 δ_k − 2 d_k − d_{k+1})/h_k x² + (d_k + d_{k+1} − 2 δ_k)/h_k² x³          (3)
 ///
@@ -22,8 +22,9 @@ namespace flexarm::simulation {
 
 /// Coefficients (3), as PiecewisePolynomial takes them: (4, n − 1), highest power first. Two samples are
 /// joined by a line, three by a parabola.
-/// @param x n rising instants; @param y n values.
-/// @throws InvalidParameter if there are fewer than two, or not as many values as instants.
+/// @param x n rising instants; @param y n values; units are those of x and y.
+/// @throws InvalidParameter if there are fewer than two samples, sizes differ, a value is not finite or x
+/// does not rise.
 Eigen::MatrixXd cubic_spline(const Eigen::VectorXd& x, const Eigen::VectorXd& y);
 
 }  // namespace flexarm::simulation

@@ -3,8 +3,8 @@
 ///
 ///     Q = f(x) z,    z' = (1 − z sgn x') x'/w                                                         (1)
 ///
-/// with Dahl's z (dahl_friction.hpp), which is the sense of motion but for the width w. Beside a table of the
-/// mean of two branches it makes a law with memory. Where f is negative it drives. Units: f in N m, w in rad.
+/// with Dahl's z [Dahl1968] (dahl_friction.hpp), which is the direction of motion except within the width w.
+/// With a table of the mean of two branches it forms a hysteresis law. Where f is negative it drives.
 #pragma once
 
 #include "flexarm/joints/law_response.hpp"
@@ -14,8 +14,8 @@
 namespace flexarm::joints {
 
 struct TabulatedFriction {
-  MonotoneCubic table;
-  double width;
+  MonotoneCubic table;  ///< f [N m]; N along a slide
+  double width;         ///< w [rad]; m along a slide
 
   static constexpr bool acts_at_rest = false;
 
