@@ -55,6 +55,7 @@ __all__: list[str] = [
     "Point",
     "PointLoad",
     "RadialClearance",
+    "Readings",
     "ReducedPart",
     "ReducerSpring",
     "ReductionQuality",
@@ -93,7 +94,6 @@ __all__: list[str] = [
     "in_motion",
     "joint_angles",
     "joint_coordinates",
-    "joint_reading",
     "joint_torque",
     "lanes",
     "log6",
@@ -103,7 +103,6 @@ __all__: list[str] = [
     "motor_torques",
     "moved",
     "number_rows",
-    "point_reading",
     "rectangle_section",
     "reduce_part",
     "released",
@@ -1138,6 +1137,30 @@ class Snapshots:
     @property
     def run(self) -> Transient: ...
 
+class Readings:
+    """
+    Joints and points of one state after another.
+    """
+    def __init__(self, system: System) -> None: ...
+    def joint(
+        self, state: typing.Any, joint: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[float, float, float, float, float, float]:
+        """
+        Angle and rate of link and drive, torque on the child and of the motor.
+        """
+    def point(
+        self, state: typing.Any, point: typing.SupportsInt | typing.SupportsIndex
+    ) -> tuple[
+        typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+        typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+        typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"],
+        typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+        typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
+    ]:
+        """
+        Position, velocity, rotation, angular rate (own axes) and acceleration of a point.
+        """
+
 class CellType(enum.Enum):
     hex20 = ...
     hex8 = ...
@@ -1421,13 +1444,6 @@ def joint_coordinates(system: System) -> list[tuple[int, int]]:
     Row of theta and phi of each joint among the velocities, -1 without.
     """
 
-def joint_reading(
-    system: System, state: State, joint: typing.SupportsInt | typing.SupportsIndex
-) -> tuple[float, float, float, float, float, float]:
-    """
-    Angle and rate of link and drive, torque on the child and of the motor.
-    """
-
 def joint_torque(system: System, state: State, joint: typing.SupportsInt | typing.SupportsIndex) -> float:
     """
     Torque on the child about the axis.
@@ -1505,19 +1521,6 @@ def number_rows(
 ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"] | None:
     """
     Numbers of some columns of rows of text; None if one is no number.
-    """
-
-def point_reading(
-    system: System, state: State, point: typing.SupportsInt | typing.SupportsIndex
-) -> tuple[
-    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
-    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
-    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"],
-    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
-    typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"],
-]:
-    """
-    Position, velocity, rotation, angular rate (own axes) and acceleration of a point.
     """
 
 def rectangle_section(
