@@ -80,7 +80,8 @@ class _Regression:
         together = 3 * sum(self._sizes) <= self._count
         groups = [list(range(len(bases)))] if together else [[i] for i in range(len(bases))]
         columns = [np.hstack([bases[i] for i in group]) for group in groups]
-        return [(X, np.linalg.pinv(X.T @ X), group) for X, group in zip(columns, groups, strict=True)]
+        inverses = [np.asarray(np.linalg.pinv(X.T @ X), dtype=float) for X in columns]
+        return list(zip(columns, inverses, groups, strict=True))
 
     def add(self, off: Floats) -> None:
         """Take up values without their means, shape (n, columns)."""
