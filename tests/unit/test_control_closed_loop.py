@@ -13,6 +13,7 @@ from pytest import approx
 from flexarm import Arm, Drive, InvalidParameter, NotConverged, Record, Signal, simulate
 from flexarm.control import simulate_closed_loop
 from flexarm.control.divergence import add_controller_states
+from flexarm.control.limits import limited_motors
 from flexarm.measurement.measure import measure
 
 INERTIA = 7.0  # about the joint: 4 kg at 1 m, 2 kg m2 about its centre, 1 kg m2 of the rotor
@@ -140,6 +141,15 @@ def test_voltage_and_torque_limits_of_the_motor_hold(step: float) -> None:
     assert np.nanmax(np.abs(run.motor_voltage)) == approx(1.5)
     # Between samples the back-EMF changes with the rate, by at most c φ'' T_s = 10 * 2/7 * 4e-3 N m.
     assert np.abs(run.motor_torque).max() == approx(0.02 * 100, abs=0.012)
+
+
+def test_a_motor_that_ends_at_its_limit_away_from_its_command_is_told() -> None:
+    """1 N m on 7 kg m2 does not come far in 2 s; 200 N m do."""
+    for torque_limit, told in ((1.0, True), (200.0, False)):
+        arm = rigid_arm(controllers=[{**CASCADE, "torque_limit": torque_limit}])
+        doubts = list(limited_motors(simulate_closed_loop(arm, step_command(0.5), step=4e-3)))
+        assert bool(doubts) == told
+        assert not told or "is at its torque limit of 1 N m for" in doubts[0].what
 
 
 def test_a_schedule_that_changes_more_than_gains_is_refused() -> None:

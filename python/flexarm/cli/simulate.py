@@ -107,6 +107,10 @@ def simulate(
         with blame(model):
             run = _run(arm, motion, record, step, alpha, forces)
             seen = sensed(run, arm, motion, seed) if record is None else simulated(record, run, arm)
+        if run.joint_command is not None:
+            from flexarm.control.limits import limited_motors
+
+            warn(model, limited_motors(run))
         if record is None and not arm.sensors:  # with sensors or a record it has been said already
             warn(model, unplaced_effects(seen, arm))
         run.save(directory / "simulation.nc")
