@@ -72,14 +72,17 @@ def assemble(
     """Assemble the arm, with its effects or `nominal` without them.
 
     `drives` says what each joint's motor is told; joints left out are locked, outputs of gears are free, and
-    so are inputs of gears whose output is told. `loaded` are points with point loads, `driven` other joints
-    whose drive is held. Joints of loops that are in neither follow, see `flexarm.assembly.loops`.
+    so are inputs of gears in series whose output is told. `loaded` are points with point loads, `driven`
+    other joints whose drive is held. Joints of loops that are in neither follow, see `assembly.loops`.
 
     Raise InvalidParameter if a loop cannot be closed.
     """
     given = dict(drives or {})
     kinds = {gear.output: _core.DriveKind.free for gear in arm.gears}
-    kinds |= {gear.input: _core.DriveKind.free for gear in arm.gears if gear.output in given}
+    moved = set(given)
+    for _ in arm.gears:  # gears in series
+        moved |= {gear.input for gear in arm.gears if gear.output in moved}
+    kinds |= dict.fromkeys(moved - given.keys(), _core.DriveKind.free)
     core = core_arm(arm, loaded, nominal=nominal)
     if not arm.closures:
         return _core.System(core, {**kinds, **given})

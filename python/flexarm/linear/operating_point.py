@@ -97,7 +97,9 @@ class OperatingPoint:
 
     def at_rest(self, told: list[Port]) -> list[float]:
         """Return the inputs of the equilibrium."""
-        constant = {"angle": np.array(self.values), "torque": self.holding}
+        motors = [motor_of(self.arm, joint.name) for joint in self.arm.joints]
+        torques = [factor * self.holding[self._index[name]] for name, factor in motors]
+        constant = {"angle": np.array(self.values), "torque": np.array(torques)}
         return [float(constant[p.kind][self._index[p.place]]) if p.kind in constant else 0.0 for p in told]
 
     @cached_property

@@ -149,7 +149,13 @@ def channel_names(arm: Arm, sensors: Iterable[Sensor]) -> tuple[list[str], list[
     names, units = [], []
     for sensor in sensors:
         channels = [f"{sensor.name}.{axis}" for axis in sensor.directions] or [sensor.name]
-        slides = sensor.joint is not None and arm.joint(sensor.joint).type == "prismatic"
         names += channels
-        units += [sensor.spec.units[-1 if slides else 0]] * len(channels)
+        units += [unit_of_channels(arm, sensor)] * len(channels)
     return names, units
+
+
+def unit_of_channels(arm: Arm, sensor: Sensor) -> str:
+    """Return the SI unit of a sensor's channels; a slide's motor turns, whatever its output does."""
+    slides = sensor.joint is not None and arm.joint(sensor.joint).type == "prismatic"
+    turns = sensor.quantity == "motor_torque" and sensor.side == "motor"
+    return sensor.spec.units[-1 if slides and not turns else 0]

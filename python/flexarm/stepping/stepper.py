@@ -22,6 +22,7 @@ from flexarm.arguments import ARM, NAMES, NUMBER, TEXTS, VALUES, VECTORS, requir
 from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
 from flexarm.arm.drive_effect import DriveEffect
+from flexarm.arm.joint import gear_input
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, following_joints, joint_values, point_loads
 from flexarm.errors import InvalidParameter
@@ -74,7 +75,8 @@ class Stepper:
         step: float = 2e-3,
         alpha: float = -0.05,
     ) -> None:
-        if late := [e for e in arm.effects if isinstance(e, DriveEffect) and e.at in inputs and any(e.lag())]:
+        moved = {*inputs, *(gear_input(arm, name) for name, what in inputs.items() if what == "motor")}
+        if late := [e for e in arm.effects if isinstance(e, DriveEffect) and e.at in moved and any(e.lag())]:
             raise InvalidParameter(
                 f"{late[0].name} at {late[0].at!r}: the joints of a stepper follow their inputs at once; "
                 "leave the effect out and give inputs that lag",
