@@ -204,7 +204,7 @@ def test_compliance_without_a_rotor_is_told(files):
     joint = next(ElementTree.parse(files / "found.xml").iter("joint"))
     hinge = next(e for e in ElementTree.parse(files / "found.xml").iter("joint") if e.get("name") == "hinge")
     assert joint.get("damping") == "7"  # the default stays
-    assert (hinge.get("damping"), hinge.get("frictionloss"), hinge.get("armature")) == ("2", "1", "0")
+    assert (hinge.get("damping"), hinge.get("frictionloss"), hinge.get("armature")) == ("2", "1", None)
 
 
 def test_robot_files_without_the_model_s_joints_are_refused(files):

@@ -60,6 +60,11 @@ class FrictionEffect(Effect):
         sizes = [each for each in found if each[0] not in self.shape]
         return sizes + [each for each in found if each[0] in shaped]
 
+    @property
+    def is_shaped(self) -> bool:
+        """Return True if its shape is not the usual one."""
+        return bool(self._shaped())
+
     def _shaped(self) -> tuple[str, ...]:
         """Return the names of parameters that make the shape another one than the usual."""
         sticks = ("width",) if self.width != STICK_WIDTH else ()

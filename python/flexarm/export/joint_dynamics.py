@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
+from flexarm.arm.friction_effect import FrictionEffect
+
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
@@ -83,6 +85,8 @@ def joint_dynamics(arm: Arm) -> Iterator[JointDynamics]:
             if effect.name not in _WRITTEN:
                 left_out.append(effect.name)
                 continue
+            if isinstance(effect, FrictionEffect) and effect.is_shaped:
+                left_out.append(f"the shape of {effect.name}")
             values |= {field: effect.value_of(key) for key, field in _WRITTEN[effect.name].items()}
         yield JointDynamics(
             joint.name,
@@ -92,6 +96,12 @@ def joint_dynamics(arm: Arm) -> Iterator[JointDynamics]:
             left_out=tuple(left_out),
             **values,
         )
+
+
+def not_written(arm: Arm) -> list[str]:
+    """Return a note on each closure and gear, for which the formats have no joint dynamics."""
+    notes = [f"closure {closure.name} is not written" for closure in arm.closures]
+    return notes + [f"gear {gear.name} is not written" for gear in arm.gears]
 
 
 def left_out(dynamics: JointDynamics) -> list[str]:

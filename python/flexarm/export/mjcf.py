@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexarm.arguments import ARM, FLAG, PATH, takes
-from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out, own_friction
+from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out, not_written, own_friction
 from flexarm.export.robot_file import add, number, read_robot, refuse_no_joint, remove, write_robot
 
 if TYPE_CHECKING:
@@ -60,23 +60,27 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path, force: bool = True)
         if (name := joint.get("name"))
     }
     wanted = list(joint_dynamics(arm))
-    notes += [f"closure {closure.name} is not written" for closure in arm.closures]
+    notes += not_written(arm)
     for dynamics in wanted:
         if dynamics.joint not in joints:
             notes.append(f"joint {dynamics.joint} is not in {path.name}")
             continue
         written += 1
         notes += left_out(dynamics)
-        _remove_earlier(root, dynamics.joint)
         body, joint = joints[dynamics.joint]
+        _remove_earlier(root, body, dynamics.joint)
         notes += own_friction(dynamics, joint, "damping", "frictionloss")
         if dynamics.elastic and dynamics.armature > 0:
+            if stated := joint.get("stiffness", "").strip("0."):
+                what = f"stiffness {stated} of the file is replaced by its joint_compliance"
+                notes.append(f"joint {dynamics.joint}: {what}")
             _write_elastic(root, body, joint, dynamics)
             continue
         if dynamics.elastic:
             what = "its joint_compliance is not written; give the joint a rotor_inertia"
             notes.append(f"joint {dynamics.joint}: {what}")
-        _set(joint, armature=dynamics.armature)
+        if dynamics.armature > 0:
+            _set(joint, armature=dynamics.armature)
         _set_friction(joint, dynamics, dynamics.viscous, dynamics.dry)
     refuse_no_joint(path, [dynamics.joint for dynamics in wanted], list(joints), written)
     write_robot(file, Path(out), [path], force)
@@ -114,11 +118,13 @@ def _write_elastic(root: Element, body: Element, joint: Element, dynamics: Joint
         add(bearing, Element("joint", {"joint": name, "coef": "1"}))
 
 
-def _remove_earlier(root: Element, joint: str) -> None:
-    """Remove the deflection and the tendon of an earlier export."""
-    for parent in list(root.iter()):
-        for child in list(parent):
-            if child.get("name") in (f"{joint}_deflection", f"{joint}_bearing"):
+def _remove_earlier(root: Element, body: Element, joint: str) -> None:
+    """Remove the deflection of an earlier export beside a joint, and its tendon."""
+    written = [(body, "joint", f"{joint}_deflection")]
+    written += [(tendons, "fixed", f"{joint}_bearing") for tendons in root.findall("tendon")]
+    for parent, tag, name in written:
+        for child in parent.findall(tag):
+            if child.get("name") == name:
                 remove(parent, child)
 
 

@@ -12,7 +12,7 @@ from flexarm.arguments import FLAG, PATH, TEXT, Kind, takes
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.export.foreign_form import ForeignForm, foreign_form
-from flexarm.output import write_file
+from flexarm.output import refuse_existing, write_file
 from flexarm.superelement import SuperElement
 from flexarm.superelement.foreign.labelled import SCALAR, Freedom
 
@@ -110,23 +110,20 @@ def write_abaqus(element: SuperElement, path: Path, unit: str, force: bool = Tru
     *MATRIX INPUT, *MATRIX ASSEMBLE.
     """
     form = foreign_form(element, unit)
+    matrices = {role: matrix for role in _KEYWORDS if (matrix := getattr(form, role)).any()}
+    files = {role: path.with_name(f"{path.stem}_{role}.mtx") for role in matrices}
+    for file in (path, *files.values()):
+        refuse_existing(file, force)
     lines = ["*HEADING", f"{element.name}, reduced by flexarm, in {unit}"]
     for i, (name, position) in enumerate(zip(element.interfaces, form.positions, strict=True), 1):
         xyz = ", ".join(f"{x:.12g}" for x in position)
         lines += [f"** interface {name}", f"*NODE, NSET=INTERFACE_{i}", f"{i}, {xyz}"]
-    files, assembled = [], []
-    for role, keyword in _KEYWORDS.items():
-        matrix = getattr(form, role)
-        if not matrix.any():
-            continue
-        file = path.with_name(f"{path.stem}_{role}.mtx")
-        write_file(file, "\n".join(_entries(matrix, form)) + "\n")
+    for role, file in files.items():
+        write_file(file, "\n".join(_entries(matrices[role], form)) + "\n", force=force)
         lines.append(f"*MATRIX INPUT, NAME={role.upper()}, INPUT={file.name}")
-        assembled.append(f"{keyword}={role.upper()}")
-        files.append(file)
-    lines.append(f"*MATRIX ASSEMBLE, {', '.join(assembled)}")
+    lines.append("*MATRIX ASSEMBLE, " + ", ".join(f"{_KEYWORDS[role]}={role.upper()}" for role in files))
     write_file(path, "\n".join(lines) + "\n", force=force)
-    return [path, *files]
+    return [path, *files.values()]
 
 
 def _entries(matrix: Floats, form: ForeignForm) -> Iterator[str]:

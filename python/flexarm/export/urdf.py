@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexarm.arguments import ARM, FLAG, PATH, takes
-from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out, own_friction
+from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out, not_written, own_friction
 from flexarm.export.robot_file import add, number, read_robot, refuse_no_joint, remove, write_robot
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def export_urdf(arm: Arm, urdf: str | Path, out: str | Path, force: bool = True)
     path, file, notes, written = Path(urdf), read_robot(Path(urdf), "robot"), [], 0
     joints = {name: joint for joint in file.root.findall("joint") if (name := joint.get("name"))}
     wanted = list(joint_dynamics(arm))
-    notes += [f"closure {closure.name} is not written" for closure in arm.closures]
+    notes += not_written(arm)
     for dynamics in wanted:
         joint = joints.get(dynamics.joint)
         if joint is None:
