@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import tomllib
 from collections.abc import Mapping
 from os.path import relpath
 from pathlib import Path
@@ -14,15 +15,21 @@ if TYPE_CHECKING:
 
 
 def input_files(model: Path, arm: Arm, records: Mapping[str, Record]) -> dict[str, Path]:
-    """Return the model file, its super-elements, and the files of every record as `NAME/record.toml`.
+    """Return the files of the model, and the files of every record as `NAME/record.toml`.
 
     Records that were not read from a directory have no files.
     """
-    files = {model.name: model, **{file.name: file for file in arm.part_files}}
+    files = {file.name: file for file in model_files(model, arm)}
     for name, record in records.items():
         if record.path is not None:
             files |= {f"{name}/{relpath(file, record.path)}": file for file in record.files}
     return {name: file for name, file in files.items() if file.is_file()}
+
+
+def model_files(model: Path, arm: Arm) -> list[Path]:
+    """Return the model file, the URDF that it names, and its super-elements."""
+    named = tomllib.loads(model.read_text(encoding="utf-8")).get("urdf") if model.suffix == ".toml" else None
+    return [model, *([model.parent / named] if named else []), *arm.part_files]
 
 
 def hashes(files: Mapping[str, Path]) -> dict[str, str]:

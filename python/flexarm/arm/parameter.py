@@ -8,7 +8,7 @@ vector without one means all its components.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import isinf
 from typing import TYPE_CHECKING, Any
@@ -69,19 +69,25 @@ class Path:
 
     def put(self, arm: Arm, value: float) -> Arm:
         """Return a copy of the arm with another value, of which only the table that holds it is checked."""
-        entries = getattr(arm, self.table)
-        changed = self._put(entries[self.index], self.fields, value)
-        return arm.model_copy(
-            update={self.table: (*entries[: self.index], changed, *entries[self.index + 1 :])}
-        )
+        return put_all(arm, [(self, value)])
 
-    def _put(self, table: Table, fields: tuple[str, ...], value: float) -> Table:
-        name, *inner = fields
-        old = getattr(table, name)
-        if inner:
-            return table.model_copy(update={name: self._put(old, tuple(inner), value)})
-        k = self.component
-        return table.replace(**{name: value if k is None else (*old[:k], value, *old[k + 1 :])})
+
+def put_all(arm: Arm, changes: Sequence[tuple[Path, float]]) -> Arm:
+    """Return a copy of the arm with other values of one table, which is checked with all of them."""
+    first, new = changes[0][0], dict[str, Any]()
+    for path, value in changes:
+        name, k = path.fields[-1], path.component
+        old = new.get(name, getattr(path.owner(arm), name))
+        new[name] = value if k is None else (*old[:k], value, *old[k + 1 :])
+
+    def changed(table: Table, fields: Sequence[str]) -> Table:
+        if not fields:
+            return table.replace(**new)
+        return table.model_copy(update={fields[0]: changed(getattr(table, fields[0]), fields[1:])})
+
+    entries, k = getattr(arm, first.table), first.index
+    entry = changed(entries[k], first.fields[:-1])
+    return arm.model_copy(update={first.table: (*entries[:k], entry, *entries[k + 1 :])})
 
 
 def parameters(arm: Arm, keys: Iterable[str]) -> tuple[Parameter, ...]:

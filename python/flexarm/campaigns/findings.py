@@ -174,9 +174,13 @@ def _targets(data: xr.Dataset, keys: Sequence[str], ok: Any, seed: int) -> Itera
                 continue
             if swapped:
                 rows = np.where(there, values, np.nan).reshape(_cases(data), len(keys) + 2, -1)
+                rows = rows - np.nanmean(rows[:, :2], axis=(1, 2), keepdims=True)
                 indices = from_saltelli(np.concatenate(list(rows), axis=1), seed)
-            else:
-                indices = from_samples(x[there], values[there], seed)
+            else:  # about the mean of each case: how cases differ is no parameter's part
+                off = np.where(there, values, np.nan)
+                for case in _case_rows(data):
+                    off[case] -= np.nanmean(off[case]) if there[case].any() else 0.0
+                indices = from_samples(x[there], off[there], seed)
             yield Target(
                 name + suffix,
                 str(variable.attrs["long_name"]) + suffix,

@@ -8,7 +8,7 @@ s^2, C the inverse of X^T X and C_ii its block of parameter i,
 
 is the first-order index less what chance gives it; values below zero are chance. Parameters fitted together
 are no noise of one another. With fewer than three samples a function each is fitted alone, and S_i
-is the adjusted R^2. From Saltelli's rows A, B and AB_i
+is the adjusted R^2. On a full grid chance explains nothing. From Saltelli's rows A, B and AB_i
 
     S_i = mean(f_B (f_AB_i - f_A)) / V,  T_i = mean((f_A - f_AB_i)^2) / (2 V)                             (2)
 
@@ -24,6 +24,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import prod
+from typing import NamedTuple
 
 import numpy as np
 
@@ -57,18 +59,35 @@ def from_samples(x: Floats, y: Floats, seed: int = 0) -> Indices | None:
     m = min(n, MOST_RESAMPLED)
     draws = [rng.integers(n, size=m) for _ in range(RESAMPLES)]
     bases = [_basis(column) for column in x.T]
-    off = y[:, None] - y.mean()
-    first = _Regression(bases).indices(off)
-    spread = np.array([_Regression([basis[draw] for basis in bases]).indices(off[draw]) for draw in draws]).T
+    off, design = y[:, None] - y.mean(), _Design.of(x, bases)
+    first = _Regression(bases, design).indices(off)
+    drawn = [_Regression([basis[draw] for basis in bases], design).indices(off[draw]) for draw in draws]
+    spread = np.array(drawn).T
     unknown = np.full(d, np.nan)
     return Indices(first, _interval(spread, first, np.sqrt(m / n)), unknown, np.full((d, 2), np.nan))
+
+
+class _Design(NamedTuple):
+    """How samples lie."""
+
+    together: bool
+    """True if there are enough of them to fit all parameters at once."""
+    grid: bool
+    """True for a full grid, whose parameters are no noise of one another: chance explains nothing."""
+
+    @classmethod
+    def of(cls, x: Floats, bases: Sequence[Floats]) -> _Design:
+        """Return the design of samples, shape (n, d)."""
+        levels = [len(np.unique(column)) for column in x.T]
+        grid = prod(levels) == len(x) > max(levels)
+        return cls(not grid and 3 * sum(basis.shape[1] for basis in bases) <= len(x), grid)
 
 
 class _Regression:
     """Regression on functions of the parameters, shapes (n, p), and what it explains of given values."""
 
-    def __init__(self, bases: Sequence[Floats]) -> None:
-        self._count = len(bases[0])
+    def __init__(self, bases: Sequence[Floats], design: _Design) -> None:
+        self._count, self._design = len(bases[0]), design
         self._sizes = [basis.shape[1] for basis in bases]
         self._groups = self._fitted_together([basis - basis.mean(axis=0) for basis in bases])
         self.whole = 0.0
@@ -77,8 +96,7 @@ class _Regression:
 
     def _fitted_together(self, bases: list[Floats]) -> list[tuple[Floats, Floats, list[int]]]:
         """Return functions, C of (1) and the parameters of each fit."""
-        together = 3 * sum(self._sizes) <= self._count
-        groups = [list(range(len(bases)))] if together else [[i] for i in range(len(bases))]
+        groups = [list(range(len(bases)))] if self._design.together else [[i] for i in range(len(bases))]
         columns = [np.hstack([bases[i] for i in group]) for group in groups]
         inverses = [np.asarray(np.linalg.pinv(X.T @ X), dtype=float) for X in columns]
         return list(zip(columns, inverses, groups, strict=True))
@@ -101,7 +119,7 @@ class _Regression:
         if self.whole == 0:
             return np.zeros(len(self._sizes))
         chance = np.zeros(len(self._sizes))
-        for X, C, group in self._groups:
+        for X, C, group in [] if self._design.grid else self._groups:
             free = max(self._count - 1 - X.shape[1], 1)
             for i, own in self._blocks(group):
                 chance[i] = np.sum((X[:, own].T @ X[:, own]) * C[own, own].T) * self._residual[i] / free
@@ -124,7 +142,7 @@ class SeriesIndices:
 
     def __init__(self, x: Floats) -> None:
         bases = [_basis(column) for column in x.T]
-        self._regression = _Regression(bases)
+        self._regression = _Regression(bases, _Design.of(x, bases))
         self._count, self._functions = len(x), max(basis.shape[1] for basis in bases)
 
     def add(self, y: Floats) -> None:

@@ -24,7 +24,7 @@ from flexarm.campaigns.still_run import modes_run, static_run
 from flexarm.campaigns.study import Study, read_study
 from flexarm.campaigns.variation import Variation, variation_of
 from flexarm.errors import InvalidFile, Problem
-from flexarm.input_files import hashes
+from flexarm.input_files import hashes, model_files
 from flexarm.tables import refuse
 
 RESERVED = ("sample", "status", "reason", "seconds", "block", "time", "axis", "mode")
@@ -92,7 +92,7 @@ class Plan:
         """Files that results depend on, by name from where the study lies."""
         folder = self.file.parent
         model = folder / self.study.model
-        files = [model, *self.arm.part_files]
+        files = model_files(model, self.arm)
         for case in self.cases:
             for path in (*case.files, *([case.hold_out] if case.hold_out else [])):
                 files += (
@@ -144,7 +144,13 @@ def planned(file: Path) -> Plan:
     if not wrong:
         runner, wrong = _runner(study, arm, cases)
         found += wrong
-    taken = {*RESERVED, *variation.keys, *label_names(cases)}
+    told_by = "records" if study.run == "diagnose" else "drive"
+    found += [
+        ((told_by,), f"{{{name}}} is taken; use another word")
+        for name in label_names(cases)
+        if name in (*RESERVED, "case")
+    ]
+    taken = {"case", *RESERVED, *variation.keys, *label_names(cases)}
     found += [
         (("keep", i, "name"), f"{keep.variable!r} is taken; give it another name")
         for i, keep in enumerate(study.keep)

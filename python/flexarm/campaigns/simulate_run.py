@@ -27,7 +27,8 @@ from flexarm.campaigns.study import Found, Keep, Study
 from flexarm.comparison.poses import FORCES
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
-from flexarm.measurement.predict import FRAMED_READINGS, READINGS, predict
+from flexarm.linear.ports import unit_of_channels
+from flexarm.measurement.predict import FRAMED_READINGS, READINGS, read
 from flexarm.record import Record
 from flexarm.simulation.side_by_side import side_by_side
 from flexarm.simulation.simulate import simulate
@@ -201,14 +202,15 @@ def _sensor(keep: Keep) -> Sensor:
 
 def _read(run: Any, keep: Keep, instants: Floats) -> Floats:
     """Return the values of a perfect sensor, shape (n, channels); NaN at instants that are infinite."""
-    return predict(run, _sensor(keep), stamps=instants)
+    known = np.isfinite(instants)
+    values = read(run, _sensor(keep), np.where(known, instants, run.time[0]))
+    return np.asarray(np.where(known[:, None], values, np.nan))
 
 
 def _variables(keep: Keep, arm: Arm, time: str, instants: Floats) -> list[Variable]:
     """Return the variables of an entry."""
     sensor = _sensor(keep)
-    slides = keep.joint is not None and arm.joint(keep.joint).type == "prismatic"
-    unit = sensor.spec.units[-1 if slides else 0]
+    unit = unit_of_channels(arm, sensor)
     channels = sensor.directions
     found = []
     if keep.rate_hz is not None:

@@ -45,7 +45,8 @@ class StaticRun(Runner):
                 ]
             else:
                 array = array[held.joints.index(keep.joint or "")]
-            found[keep.variable] = float(array) if np.size(array) == 1 else np.asarray(array)
+            array = np.asarray(array)
+            found[keep.variable] = float(array.item()) if array.size == 1 else array
         return found
 
 

@@ -50,8 +50,8 @@ class Trend:
 def times_of(labels: Mapping[str, Sequence[str]]) -> tuple[str, Floats, bool] | None:
     """Return the label that is a time, its values since the first, and True for dates, in years; or None."""
     year = 365.25  # days of a year
-    for name, texts in labels.items():
-        for parse, dates in ((_day, True), (float, False)):
+    for parse, dates in ((_day, True), (float, False)):  # numbers may be names of machines
+        for name, texts in labels.items():
             try:
                 days = np.array([parse(text) for text in texts], dtype=float)
             except ValueError:

@@ -8,7 +8,7 @@ from typing import Any
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import effect_class, read_effect
-from flexarm.arm.parameter import Parameter, Path, numbers_at
+from flexarm.arm.parameter import Parameter, Path, numbers_at, put_all
 from flexarm.arm.uncertainty import owner_of
 from flexarm.campaigns.sampling import Distribution
 from flexarm.campaigns.study import Found, Study, Vary
@@ -47,12 +47,16 @@ class Variation:
 
         Raise InvalidParameter if a value is not allowed, such as a negative mass.
         """
-        arm = self.base
+        arm, tables = self.base, dict[tuple[object, ...], list[tuple[str, Path, float]]]()
         for key, path, value in zip(self.keys, self.paths, values, strict=True):
+            place = path.table, path.index, *path.fields[:-1]
+            tables.setdefault(place, []).append((key, path, float(value)))
+        for changes in tables.values():  # a table's numbers at once: they may be allowed together only
             try:
-                arm = path.put(arm, float(value))
+                arm = put_all(arm, [(path, value) for _, path, value in changes])
             except InvalidParameter as error:
-                raise InvalidParameter(error.problems[0].what, where=key) from None
+                where = ", ".join(key for key, _, _ in changes)
+                raise InvalidParameter(error.problems[0].what, where=where) from None
         return arm
 
 
