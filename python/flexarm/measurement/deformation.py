@@ -36,7 +36,8 @@ def strain(simulation: Any, what: Described, instants: Floats) -> Floats:
         )
     forces = stored(simulation, "section_forces", what).reshape(len(simulation.time), len(arm.links), 2, 6)
     ends = forces[:, [each.name for each in arm.links].index(link.name)]
-    normal, m_y, m_z = _along(ends, float(what.position), link.length)
+    built = machine_of(arm).links[link.name].table.length  # type: ignore[union-attr]
+    normal, m_y, m_z = _along(ends, float(what.position) * built / link.length, built)
     y, z = what.fibre
     i_y, i_z = link.section.second_moments
     bending = (z * m_y / i_y - y * m_z / i_z) / machine_of(arm).links[link.name].bending_scale

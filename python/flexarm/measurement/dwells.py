@@ -42,7 +42,7 @@ def find_dwells(time: Floats, scaled: Floats) -> list[Dwell]:
 
 
 class _Blocks:
-    """Sums of blocks, from which (1) follows for any sequence of them."""
+    """Blocks of samples, from whose sums (1) follows for any sequence of them."""
 
     def __init__(self, time: Floats, scaled: Floats) -> None:
         from scipy.special import chdtri
@@ -50,44 +50,46 @@ class _Blocks:
         alarm = 1e-6  # probability that noise alone ends a dwell, eq. (1)
         self.count = len(time) // BLOCK
         n = self.count * BLOCK
-        t, y = time[:n] - time[0], scaled[:n] - scaled[0]
-        powers = np.stack([t, t * t, y, y * y, t * y]).reshape(5, self.count, BLOCK).sum(axis=2)
-        self._sums = np.concatenate([np.zeros((5, 1)), np.cumsum(powers, axis=1)], axis=1)
+        self._time, self._scaled = (each[:n].reshape(self.count, BLOCK) for each in (time, scaled))
         self._limit = chdtri(BLOCK * np.arange(1.0, self.count + 1) - 1, alarm)  # of 1, 2, ... blocks
 
     def still_for(self, most: int) -> list[int]:
         """Return for how many blocks from each on all lengths are a dwell, `most` at most."""
-        begins = np.arange(self.count - most + 1)
-        found, still = np.zeros(len(begins), dtype=np.intp), np.ones(len(begins), dtype=bool)
-        for length in range(1, most + 1):
-            still &= ~self._moves(begins, begins + length)
-            found += still
-        return found.tolist()
+        begins = np.arange(max(self.count - most + 1, 0))
+        if not len(begins):
+            return []
+        found: list[int] = np.cumprod(~self._moves(begins, most), axis=0).sum(axis=0).tolist()
+        return found
 
     def grown(self, begin: int) -> int:
         """Return the end of the longest dwell from one block on, which is a dwell at all its lengths."""
         first_look = 32  # blocks of the first search; without influence on the result
         most = first_look  # most dwells are short: the searched length grows
         while True:
-            ends = np.arange(begin + 1, min(begin + most, self.count) + 1)
-            moves = self._moves(np.array([begin]), ends)
+            here = min(most, self.count - begin)
+            moves = self._moves(np.array([begin]), here)[:, 0]
             if moves.any():
-                return int(ends[np.argmax(moves)]) - 1
-            if ends[-1] == self.count:
+                return begin + int(np.argmax(moves))
+            if here == self.count - begin:
                 return self.count
             most *= 4
 
-    def _moves(self, begins: NDArray[np.intp], ends: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """Return True where the blocks from a begin to an end are no dwell."""
+    def _moves(self, begins: NDArray[np.intp], most: int) -> NDArray[np.bool_]:
+        """Return True where 1 to `most` blocks are no dwell, by begin, shape (most, begins).
+
+        Sums count from the first sample of a dwell: from that of the record they would cancel.
+        """
         drift = 5.0  # greatest slope in its sigmas, eq. (1)
-        n = BLOCK * (ends - begins).astype(float)
-        t, tt, y, yy, ty = self._sums[:, ends] - self._sums[:, begins]
+        blocks = begins + np.arange(most)[:, None]
+        t = self._time[blocks] - self._time[begins, :1]
+        y = self._scaled[blocks] - self._scaled[begins, :1]
+        powers = np.stack([each.sum(axis=-1) for each in (t, t * t, y, y * y, t * y)])
+        t, tt, y, yy, ty = np.cumsum(powers, axis=1)
+        n = BLOCK * np.arange(1.0, most + 1)[:, None]
         scatter = yy - y * y / n
         spread = np.maximum(tt - t * t / n, 1e-300)
         slope = (ty - t * y / n) / np.sqrt(spread)
-        found: NDArray[np.bool_] = (scatter > self._limit[ends - begins - 1]) | (
-            np.abs(slope) > drift
-        )  # eq. (1)
+        found: NDArray[np.bool_] = (scatter > self._limit[:most, None]) | (np.abs(slope) > drift)  # eq. (1)
         return found
 
 

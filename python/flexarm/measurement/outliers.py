@@ -57,6 +57,8 @@ def outliers(residual: Floats, noise: Floats | float) -> NDArray[np.bool_]:
 
 def beyond_range_of_others(residual: Floats, rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the rows further from the median of the others than twice the range of these."""
+    if rows.all():
+        return np.zeros_like(rows)
     ranges = 2.0  # ranges of the other rows beyond which one is an outlier where a quantity jumps by itself
     middle = np.nanmedian(residual, axis=0)
     usual = np.nanmax(np.abs(residual[~rows] - middle), axis=0)

@@ -15,18 +15,36 @@ from flexarm.measurement.sampling import CannotMeasure, Described, joint_index, 
 
 
 def gear_ratio(arm: Any, joint: str) -> float:
-    """Return the gear ratio of a joint: that of a gear with this output, else the joint's own."""
-    for gear in arm.gears:
-        if gear.output == joint:
-            return float(gear.ratio)
-    return float(arm.joint(joint).gear_ratio)
+    """Return the ratio of a joint's motor: of all gears before it, times that of the joint at their input."""
+    before = {gear.output: gear for gear in arm.gears}
+    ratio = 1.0
+    while joint in before:
+        ratio, joint = ratio * before[joint].ratio, before[joint].input
+    return ratio * float(arm.joint(joint).gear_ratio)
+
+
+def _geared_rates(arm: Any, joint: str) -> dict[str, float]:
+    """Return the rates of all joints that gears couple to one, over its own."""
+    found = {joint: 1.0}
+    for _ in arm.gears:
+        for gear in arm.gears:
+            if gear.output in found:
+                found.setdefault(gear.input, gear.ratio * found[gear.output])
+            if gear.input in found:
+                found.setdefault(gear.output, found[gear.input] / gear.ratio)
+    return found
 
 
 def motor_torque(simulation: Any, what: Described, instants: Floats) -> Floats:
-    """Return the torque at the motor's shaft, or at the output side [N m or N], shape (n, 1)."""
-    j = joint_index(simulation, what)
-    torque = stored(simulation, "motor_torque", what)[:, [j]]
-    ratio = 1.0 if what.side == "output" else gear_ratio(simulation.arm, simulation.joints[j])
+    """Return the torque at the motor's shaft, or at the output side [N m or N], shape (n, 1).
+
+    Motors of joints that gears couple are one: their torques count at this joint by virtual work.
+    """
+    joint = simulation.joints[joint_index(simulation, what)]
+    every, rates = stored(simulation, "motor_torque", what), _geared_rates(simulation.arm, joint)
+    parts = [every[:, [simulation.joints.index(name)]] * rate for name, rate in rates.items()]
+    torque = np.sum(parts, axis=0)
+    ratio = 1.0 if what.side == "output" else gear_ratio(simulation.arm, joint)
     return sample(simulation.time, torque, instants) / ratio
 
 
