@@ -137,7 +137,7 @@ def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
     for signal in record.signals.values():
         clock = record.clocks[signal.clock]
         if len(signal.time) and (signal.name in record.drive or not is_unknown_clock(record, signal.clock)):
-            late = 0.0 if signal.name in record.drive else clock.offset - own - 3 * clock.sigma
+            late = clock.offset - own - (0.0 if signal.name in record.drive else 3 * clock.sigma)
             ends.append(float(true_time(signal, arm, start, late)[-1]))
     return max(ends, default=record.duration) + 1e-9
 

@@ -40,10 +40,11 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
             where="kind",
         )
     joints: dict[str, JointDrive] = {}
+    told = [record.signals[name] for name in record.drive] or list(record.signals.values())
     firsts = [
-        float(signal.time[signal.valid][0]) - effects_of(arm, signal).delay
-        for signal in (record.signals[name] for name in record.drive)
-        if signal.valid.any() and len(signal.time)
+        float(signal.time[signal.valid][0]) - late - effects_of(arm, signal).delay
+        for signal in told
+        if signal.valid.any() and len(signal.time) and (late := _lateness(signal, record)) is not None
     ]
     start = min(firsts, default=0.0)
     for name in record.drive:
@@ -56,7 +57,7 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
             )
         if signal.joint in joints:
             raise InvalidParameter(f"joint {signal.joint!r} is driven twice", where="drive")
-        joints[signal.joint] = _joint_drive(signal, arm, start)
+        joints[signal.joint] = _joint_drive(signal, arm, start, _lateness(signal, record) or 0.0)
     spans = [_span(signal, record, arm, start) for signal in record.signals.values() if len(signal.time)]
     known = [span for span in spans if span is not None]
     if not known:
@@ -80,21 +81,33 @@ def true_time(signal: Signal, arm: Arm, start: float, late: float = 0.0) -> Floa
     return effects_of(arm, signal).clock(ClockError(delay=late), start).instants(signal.time)
 
 
+def _lateness(signal: Signal, record: Record) -> float | None:
+    """Return how late a signal's stamps are against those of the first drive [s]; None: unknown.
+
+    The time of a run is that of the first drive's stamps.
+    """
+    own = next((record.signals[name].clock for name in record.drive), record.reference_clock)
+    if signal.clock == own:
+        return 0.0
+    mine, its = record.clocks[signal.clock], record.clocks[own]
+    return None if mine.unknown or its.unknown else mine.offset - its.offset
+
+
 def _span(signal: Signal, record: Record, arm: Arm, start: float) -> tuple[float, float] | None:
     """Return the first and last instant of a signal; None where its clock is unknown."""
-    clock = record.clocks[signal.clock]
-    if clock.unknown:
+    late = _lateness(signal, record)
+    if late is None:
         return None
-    instants = true_time(signal, arm, start, clock.offset)
+    instants = true_time(signal, arm, start, late)
     return float(instants[0]), float(instants[-1])
 
 
-def _joint_drive(signal: Signal, arm: Arm, start: float) -> JointDrive:
+def _joint_drive(signal: Signal, arm: Arm, start: float, late: float) -> JointDrive:
     """Return a command as its controller holds it, or an angle without its noise.
 
     Without a controller in the model a joint follows its command as it does an angle.
     """
-    samples = _true_samples(signal, arm, start)
+    samples = _true_samples(signal, arm, start, late)
     controlled = any(controller.joint == signal.joint for controller in arm.controllers)
     if signal.quantity == "joint_command" and controlled:
         return JointDrive.held(samples.time, samples.values)
@@ -121,7 +134,7 @@ class _Samples(NamedTuple):
     noise: float
 
 
-def _true_samples(signal: Signal, arm: Arm, start: float) -> _Samples:
+def _true_samples(signal: Signal, arm: Arm, start: float, late: float) -> _Samples:
     """Return the samples of a drive without drop-outs and outliers."""
     seen = effects_of(arm, signal)
     reading, noise = signal.values[:, 0], float(seen.noise(signal.noise_std or 0.0)[0])
@@ -133,5 +146,5 @@ def _true_samples(signal: Signal, arm: Arm, start: float) -> _Samples:
         names = ", ".join(effect.name for effect in (*seen.before, *seen.after)) or "drop-outs"
         what = f"signal {signal.name!r} cannot drive: {names} leave no value of it"
         raise InvalidParameter(what, where="drive")
-    time = true_time(signal, arm, start)
+    time = true_time(signal, arm, start, late)
     return _Samples(time[good], true[good], signal.time[good], reading[good], noise)
