@@ -37,7 +37,8 @@ ANGLES = ("joint_angle", "inclination", "orientation")
 def pose_columns(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Floats:
     """Return columns for every row of a signal, shape (n, channels, k)."""
     of = _of_point if signal.quantity == "position" else _of_channels
-    return np.stack([column for column in of(simulated, signal, placement) if np.any(column)], axis=2)
+    found = list(of(simulated, signal, placement))
+    return np.stack([column for column in found if np.any(column)] or found[:1], axis=2)
 
 
 def _of_point(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Iterator[Floats]:

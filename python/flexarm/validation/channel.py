@@ -89,14 +89,13 @@ class _Regression:
 
     def posterior(self, weight: Floats, sigma: float) -> tuple[Floats, Floats]:
         """Return the mode of (2) and its variances; regressors are scaled, as their units differ."""
-        scale = np.sqrt(np.diag(self._squares))
-        scale[scale == 0] = 1.0
         count = len(self.y)
         w = independent_samples(count) / (count * sigma**2) if sigma > 0 else 1.0
-        H = w * (self._squares / np.outer(scale, scale)) + np.diag(weight / scale**2)
-        H += 1e-12 * np.trace(H) / len(H) * np.eye(len(H))
-        inverse = np.linalg.inv(H)
-        return inverse @ (w * (self._along / scale)) / scale, np.diag(inverse) / scale**2
+        H = w * self._squares + np.diag(np.minimum(weight, 1e200))
+        scale = np.sqrt(np.diag(H))
+        scale[scale == 0] = 1.0
+        inverse = np.linalg.inv(H / np.outer(scale, scale) + 1e-12 * np.eye(len(H)))
+        return inverse @ (w * self._along / scale) / scale, np.diag(inverse) / scale**2
 
     def rms(self, x: Floats) -> float:
         """Return the root mean square of e of (1)."""
@@ -137,7 +136,7 @@ def nuisance_regressors(
             prior_std.append(max(POLICY.delay_std, 3 * sigma))
             if signal.quantity in ("motor_torque", "motor_voltage"):
                 regressors += _friction(simulated, signal, placement)  # eq. (7)
-                prior_std += [3 * float(np.nanstd(predicted[:, k]))] * 2
+                prior_std += [max(3 * float(np.nanstd(predicted[:, k])), signal.noise_std or 1e-9)] * 2
         yield np.column_stack(regressors), np.array(prior_std)
 
 

@@ -108,7 +108,7 @@ def _lateness(simulated: SimulatedRecord, placement: Placement, signal: Signal) 
     before, after = (float(np.sqrt(np.sum((measured - centred(d)) ** 2))) for d in (0.0, delay))
     if square <= 0 or not before > POLICY.unusual_ratio * after:
         return
-    sigma = after * np.sqrt(len(rows) / min(len(rows), POLICY.independent_samples) / square)
+    sigma = after / np.sqrt(min(len(rows), POLICY.independent_samples) * square)
     stated = float(np.hypot(sigma, simulated.record.clocks[signal.clock].sigma))
     if abs(delay) > max(POLICY.min_clock_step, POLICY.min_sigmas * stated):
         word = "late" if delay > 0 else "early"

@@ -329,7 +329,7 @@ def _estimates(items: list[_FaultEvidence]) -> tuple[Estimate, ...]:
     found = []
     for name, (_, _, unit) in items[0].values.items():
         pairs = np.array([item.values[name][:2] for item in items if name in item.values])
-        weights = 1 / np.maximum(pairs[:, 1], 1e-12 * np.abs(pairs[:, 0]).max() + 1e-300) ** 2
+        weights = 1 / np.maximum(pairs[:, 1], 1e-12 * np.abs(pairs[:, 0]).max() + 1e-150) ** 2
         value = float(np.sum(weights * pairs[:, 0]) / np.sum(weights))
         std = float(1 / np.sqrt(np.sum(weights)))
         if len(pairs) > 1:
