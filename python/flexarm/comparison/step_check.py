@@ -45,7 +45,8 @@ def step_notes(arm: Arm, pair: AlignedRecord, step: float, alpha: float) -> Iter
 
 def step_taken(pair: AlignedRecord, asked: float) -> float:
     """Return the step of a simulation [s]: less than is asked for where controllers sample more often."""
-    return float(pair.simulated.simulation.solver.get("step", asked))
+    solver = getattr(pair.simulated.simulation, "solver", {})  # of poses and free motions there is none
+    return float(solver.get("step", asked))
 
 
 def step_note(moved: float, noise: float, step: float) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from flexarm.control.actuator import actuator_of
+from flexarm.control.dual import value_of
 from flexarm.errors import Problem
 from flexarm.simulation.simulation import Simulation
 
@@ -21,7 +22,7 @@ def limited_motors(run: Simulation) -> Iterable[Problem]:
     for controller in run.arm.controllers:
         k = run.joints.index(controller.joint)
         command, torque = run.joint_command[:, k], np.abs(run.motor_torque[:, k])
-        limit = float(actuator_of(run.arm, controller).greatest_torque)
+        limit = value_of(actuator_of(run.arm, controller).greatest_torque)
         error = float(abs(command[-1] - run.drive_angle[-1, k]))
         if (
             np.isnan(error)
