@@ -6,10 +6,14 @@ from arms import TUBE, beam, hinge, point, rigid
 from pytest import approx
 
 import flexarm
+from flexarm.arm.sensor import Sensor
+from flexarm.effects import DriveLag
 from flexarm.errors import InvalidParameter
+from flexarm.measurement.predict import read
 
 RATIO = 120.0
 ROD = beam("rod", [0, 0, 3.0], TUBE, theory="timoshenko")
+ROD_MASS = 13.7  # kg
 
 
 @pytest.fixture(scope="module")
@@ -69,3 +73,66 @@ def test_a_compliance_behind_a_gear_softens_the_arm():
     stiff = flexarm.modes(flexarm.Arm.from_dict(one).without_effect("joint_compliance", "hinge"), count=1)
     assert behind == pytest.approx(direct, rel=1e-9)
     assert behind[0] < 0.95 * stiff.frequency_hz[0]
+
+
+def train(*, by: str) -> flexarm.Simulation:
+    """The fall of a rod whose motor turns two gears in series, one of its joints told a torque of zero."""
+    joints = [hinge("motor", "rotor"), hinge("middle", "wheel"), hinge("hinge", "rod")]
+    gears = [("first", "motor", "middle", -4.0), ("second", "middle", "hinge", 25.0)]
+    arm = flexarm.Arm.from_dict(
+        {
+            "joints": joints,
+            "gears": [dict(zip(("name", "input", "output", "ratio"), gear, strict=True)) for gear in gears],
+            "links": [*(rigid(name, 0.1, inertia=[1e-3] * 3) for name in ("rotor", "wheel")), ROD],
+        }
+    )
+    time = np.linspace(0, 0.2, 11)
+    drive = flexarm.Drive.from_samples(time, {by: 0 * time}, side="torque")
+    return flexarm.simulate(arm.replace(gravity=(9.81, 0.0, 0.0)), drive, step=2e-3)
+
+
+def test_letting_the_last_of_gears_in_series_go_lets_all_go():
+    by_last, by_first = train(by="hinge"), train(by="motor")
+    assert abs(by_last.joint_angle[-1, 2]) > 0.01
+    assert by_last.joint_angle[-1] == approx(by_first.joint_angle[-1], rel=1e-6)
+
+
+def test_a_motors_torque_is_the_same_behind_a_gear_table_and_a_gear_ratio(arm):
+    """Rotor and load are those of a joint with this ratio, asked at the shaft or at the hinge."""
+    load = {"name": "load", "link": "rod", "position": [0.0, 0.0, 3.0], "mass": 14.1}
+    own = {"gear_ratio": RATIO, "rotor_inertia": 1e-3}
+    plain = flexarm.Arm.from_dict(
+        {"joints": [hinge("hinge", "rod", **own)], "links": [ROD], "payloads": [load]}
+    )
+    time = np.linspace(0, 2, 101)
+    angle = 0.3 * np.sin(time) ** 2
+
+    def torque(machine: flexarm.Arm, joint: str, side: str) -> np.ndarray:
+        run = flexarm.simulate(machine, flexarm.Drive.from_samples(time, {"hinge": angle}))
+        sensor = Sensor(name="torque", quantity="motor_torque", joint=joint, side=side, rate_hz=10)
+        return read(run, sensor, np.array([0.7, 1.9]))[:, 0]
+
+    light = rigid("rotor", 1e-6, inertia=[1e-3, 1e-3, 1e-3])
+    geared = arm.replace(
+        links=(
+            flexarm.Arm.from_dict({"joints": [hinge("shaft", "rotor")], "links": [light]}).links[0],
+            *arm.links[1:],
+        )
+    )
+    for side in ("motor", "output"):
+        expected = torque(plain, "hinge", side)
+        assert torque(geared, "hinge", side) == approx(expected, rel=1e-4)
+    assert torque(geared, "shaft", "motor") == approx(torque(plain, "hinge", "motor"), rel=1e-4)
+
+
+def test_the_holding_torque_of_a_geared_joint_is_told_at_its_output(arm):
+    model = flexarm.linearise(arm, {"hinge": 0.5}, inputs={"hinge": "torque"}, outputs=["hinge"])
+    [holding] = model.input_at_rest
+    weight = 9.81 * np.sin(0.5) * 3.0 * (14.1 + ROD_MASS / 2)
+    assert abs(holding) == approx(weight, rel=0.01)  # sag shifts the load
+
+
+def test_a_lag_at_the_input_of_a_gear_is_refused_by_a_stepper(arm):
+    late = arm.with_effect(DriveLag(at="shaft", delay=0.0, time_constant=0.1))
+    with pytest.raises(InvalidParameter, match="drive_lag at 'shaft'"):
+        flexarm.Stepper(late, {"hinge": "motor"})

@@ -147,3 +147,12 @@ def test_equal_coefficients_are_those_of_least_squares():
 def test_a_stand_needs_some_blocks():
     assert find_dwells(np.arange(3.0 * BLOCK), np.zeros(3 * BLOCK)) == []
     assert find_dwells(np.arange(5.0 * BLOCK), np.zeros(5 * BLOCK)) == [(0, 5 * BLOCK - 1)]
+
+
+def test_dwells_far_from_the_first_sample_are_found():
+    """Sums over a long record cancelled there: of 60 stands at 2.4 rad 22 were found."""
+    time = np.arange(0, 300, 2e-3)
+    moves = sum((-1) ** k * np.clip((time - 10 * k - 3) / 4, 0, 1) for k in range(30))
+    noise = 1e-6
+    found = find_dwells(time, noisy(2.4 * moves, 0, noise) / noise)
+    assert sum(moves[(first + last) // 2] > 0.5 for first, last in found) == 15
