@@ -48,6 +48,21 @@ def test_few_sobol_points_give_unbiased_indices_of_a_sum():
     assert np.mean(found, axis=0) == pytest.approx(share, abs=0.01)
 
 
+def test_a_full_grid_has_the_variances_of_its_means():
+    """Interaction is no chance there; 8 levels of each."""
+    levels = np.linspace(0, 1, 8)
+    x = np.array([(a, b) for a in levels for b in levels])
+    y = x[:, 0] + x[:, 1] + 3 * x[:, 0] * x[:, 1]
+    expected = [np.var([y[x[:, k] == level].mean() for level in levels]) / np.var(y) for k in (0, 1)]
+    assert from_samples(x, y).first == pytest.approx(expected, rel=1e-9)
+
+
+def test_numbers_of_machines_are_no_times():
+    labels = {"machine": ["101", "101", "102", "102"], "date": ["2025-01-01", "2026-01-01"] * 2}
+    name, _, is_date = times_of(labels)
+    assert (name, is_date) == ("date", True)
+
+
 def test_the_estimators_are_those_of_scipy():
     rng = np.random.default_rng(5)
     x = samples(Sampling(n=256, seed=3, saltelli=True), CUBE, [None] * 3)

@@ -5,7 +5,7 @@ import re
 import pytest
 from campaign_runs import SIMULATED, STATIC, study_in
 
-from flexarm import InvalidFile
+from flexarm import InvalidFile, InvalidParameter
 from flexarm.campaigns.plan import planned
 
 FLEET = """
@@ -115,6 +115,46 @@ def test_words_in_braces_find_machines_and_days(tmp_path):
     ]
     assert plan.cases[2].files == (tmp_path / "m2/d1/slow", tmp_path / "m2/d1/fast")
     assert plan.coordinates()["m"][0] == ["m1", "m1", "m2"]
+
+
+def test_words_in_braces_are_none_that_results_have(tmp_path):
+    (tmp_path / "time_1").mkdir()
+    file = study_in(tmp_path, SIMULATED.replace('"swing.csv"', '"time_{time}/swing.csv"'))
+    (tmp_path / "time_1/swing.csv").write_text((tmp_path / "swing.csv").read_text())
+    with pytest.raises(InvalidFile, match=r"\{time\} is taken; use another word"):
+        planned(file)
+
+
+def test_the_urdf_of_a_model_is_an_input(tmp_path):
+    """So that a campaign does not go on with another machine."""
+    file = study_in(tmp_path, STATIC)
+    (tmp_path / "whole.urdf").write_text(
+        '<robot name="r"><link name="world"/><link name="rod"><inertial><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        '<joint name="hinge" type="continuous"><parent link="world"/><child link="rod"/></joint></robot>'
+    )
+    load = '[[payloads]]\nname = "load"\nlink = "rod"\nmass = 2.0\nposition = [0, 0, 1]\n'
+    point = '[[points]]\nname = "tip"\nlink = "rod"\nposition = [0, 0, 1]\n'
+    (tmp_path / "arm.toml").write_text(f'format = "flexarm-arm/1"\nurdf = "whole.urdf"\n{load}{point}')
+    assert {"arm.toml", "whole.urdf"} <= set(planned(file).inputs)
+
+
+def test_numbers_of_one_table_vary_together(tmp_path):
+    """Of inertias x and y up to 2.5 and z = 1 each step alone may break x <= y + z, together none does."""
+    old = STATIC[STATIC.index("[[vary]]") : STATIC.index("[[keep]]")]
+    vary = (
+        '[[vary]]\nparameter = "payloads.load.inertia.{}"\ndistribution = "uniform"\nlow = 1.5\nhigh = 2.5\n'
+    )
+    new = "".join(vary.format(axis) for axis in "xy")
+    file = study_in(tmp_path, STATIC.replace(old, new))
+    text = (tmp_path / "arm.toml").read_text()
+    (tmp_path / "arm.toml").write_text(
+        text.replace("[[payloads]]", "[[payloads]]\ninertia = [1.9, 1.9, 1.0]", 1)
+    )
+    arm = planned(file).variation.arm([2.45, 2.4])
+    assert arm.payloads[0].inertia[:2] == (2.45, 2.4)
+    with pytest.raises(InvalidParameter, match="inertia"):
+        planned(file).variation.arm([2.5, 1.4])
 
 
 def test_records_that_are_nowhere_are_an_error(tmp_path):

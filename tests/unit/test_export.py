@@ -207,6 +207,40 @@ def test_compliance_without_a_rotor_is_told(files):
     assert (hinge.get("damping"), hinge.get("frictionloss"), hinge.get("armature")) == ("2", "1", None)
 
 
+def test_what_only_sounds_like_an_earlier_export_stays(files):
+    """A mesh, a geometry and a body of a user's file, named as the export names joints and tendons."""
+    own = '<asset><mesh name="hinge_bearing" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset><worldbody>'
+    text = (files / "arm.xml").read_text().replace("<worldbody>", own)
+    text = text.replace('<body name="hand">', '<geom name="hinge_deflection" size="1"/><body name="hand">')
+    (files / "arm.xml").write_text(text)
+    arm = Arm.from_toml(files / "arm.toml")
+    for source, out in (("arm.xml", "once.xml"), ("once.xml", "twice.xml")):
+        flexarm.export_mjcf(arm, files / source, files / out)
+    tags = [each.tag for each in ElementTree.parse(files / "twice.xml").iter() if each.get("name")]
+    assert (tags.count("mesh"), tags.count("geom"), tags.count("body")) == (1, 1, 2)
+    assert (files / "once.xml").read_text() == (files / "twice.xml").read_text()
+
+
+def test_gears_and_shapes_of_friction_are_noted(files):
+    gear = '[[gears]]\nname = "belt"\ninput = "hinge"\noutput = "slide"\nratio = 20\n'
+    text = (files / "arm.toml").read_text() + gear
+    (files / "arm.toml").write_text(
+        text.replace("name = 'coulomb_friction'", "name = 'coulomb_friction'\ndrop = 0.5")
+    )
+    arm = Arm.from_toml(files / "arm.toml")
+    for name, export in (("arm.xml", flexarm.export_mjcf), ("arm.urdf", flexarm.export_urdf)):
+        notes = " ".join(export(arm, files / name, files / f"out_{name}"))
+        assert "gear belt is not written" in notes
+        assert "the shape of coulomb_friction is not written" in notes
+
+
+def test_matrices_that_are_there_are_not_replaced(part, tmp_path):
+    (tmp_path / "part_mass.mtx").write_text("of the other run")
+    with pytest.raises(InvalidFile, match="exists already"):
+        flexarm.export_part(part, tmp_path / "part.inp", force=False)
+    assert [each.name for each in tmp_path.iterdir()] == ["part_mass.mtx"]
+
+
 def test_robot_files_without_the_model_s_joints_are_refused(files):
     arm = Arm.from_toml(files / "arm.toml")
     (files / "other.urdf").write_text('<robot name="x"><link name="a"/></robot>')
