@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from arms import LENGTH, G, arm, beam, hinge, point
 
+from flexarm import Arm, Drive, simulate
 from flexarm.arm.sensor import Sensor
 from flexarm.errors import InvalidParameter
 from flexarm.measurement import CannotMeasure, ClockError, Registration, measure, predict
@@ -177,6 +178,16 @@ def test_rigid_arm_has_no_deflection_and_a_bent_one_its_own():
     record = measure(bent, [sensor(quantity="deflection", axes=["x"])], np.random.default_rng(0))
     # the double's velocity leaves out 0.01 q' along the arm: h/8 of the step in rate across a step
     np.testing.assert_allclose(record.signals["sensor"].values, 0.01, atol=1e-8)
+
+
+def test_strain_of_a_beam_that_is_loaded_between_its_ends_is_refused():
+    """The forces at its ends do not tell those between; they gave up to twice the strain."""
+    load = {"name": "load", "link": "rod", "position": [0, 0, LENGTH / 2], "mass": 5.0}
+    loaded = Arm.from_dict({**ARM.to_dict(), "payloads": [load]})
+    run = simulate(loaded, Drive.from_samples([0.0, 0.1], {"hinge": [0.1, 0.1]}), forces=True)
+    gauge = sensor(quantity="strain", link="rod", position=0.2, fibre=[0.0, 0.03])
+    with pytest.raises(CannotMeasure, match="between those of 'rod' load acts; make it two beams"):
+        measure(run, [gauge], np.random.default_rng(0))
 
 
 def test_strain_of_a_cantilever_under_its_own_weight():

@@ -34,6 +34,11 @@ def strain(simulation: Any, what: Described, instants: Floats) -> Floats:
             f"signal {what.name!r}: strain needs a beam, a position and a fibre, got the "
             f"{link.type} {link.name!r}, {what.position} and {what.fibre}"
         )
+    if inside := _loaded_between_ends(arm, link):
+        raise CannotMeasure(
+            f"signal {what.name!r}: strain follows from the forces at both ends of a beam; between those of "
+            f"{link.name!r} {', '.join(inside)} acts; make it two beams, with a fixed joint in between"
+        )
     forces = stored(simulation, "section_forces", what).reshape(len(simulation.time), len(arm.links), 2, 6)
     ends = forces[:, [each.name for each in arm.links].index(link.name)]
     built = machine_of(arm).links[link.name].table.length  # type: ignore[union-attr]
@@ -43,6 +48,16 @@ def strain(simulation: Any, what: Described, instants: Floats) -> Floats:
     bending = (z * m_y / i_y - y * m_z / i_z) / machine_of(arm).links[link.name].bending_scale
     eps = (normal / link.section.area + bending) / link.material.youngs_modulus  # eq. (1)
     return sample(simulation.time, eps[:, None], instants)
+
+
+def _loaded_between_ends(arm: Any, link: Any) -> list[str]:
+    """Return the payloads and closures that act on a beam between its ends."""
+    axis, rounding = np.asarray(link.end) / link.length, 1e-6 * link.length
+    places = [(load.name, load.position) for load in arm.payloads if load.link == link.name]
+    for closure in arm.closures:
+        sides = ((closure.a, closure.a_at, closure.a_origin), (closure.b, closure.b_at, closure.b_origin))
+        places += [(closure.name, at.xyz) for on, end, at in sides if (on, end) == (link.name, "start")]
+    return [name for name, place in places if rounding < axis @ np.asarray(place) < link.length - rounding]
 
 
 def _along(ends: Floats, x: float, length: float) -> tuple[Floats, Floats, Floats]:

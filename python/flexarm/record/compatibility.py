@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm.closure import joints_moved_with
 from flexarm.arm.consistency import missing
 from flexarm.arm.effect import Effect, read_effect
-from flexarm.arm.joint import coupled_joints
 from flexarm.arm.link import Beam
 from flexarm.arm.rotation import scaled
 from flexarm.errors import InvalidParameter, Problem
@@ -197,7 +197,8 @@ def _undriven(record: Record, arm: Arm) -> Iterable[Problem]:
     if record.kind != "motion" or not record.drive:
         return
     driven = {str(record.signals[name].joint) for name in record.drive}
-    driven = coupled_joints(driven | {controller.joint for controller in arm.controllers}, arm.gears)
+    driven |= {controller.joint for controller in arm.controllers}
+    driven = driven.union(*(joints_moved_with(arm, joint) for joint in driven))
     for signal in record.of_quantity("joint_angle").values():
         seen = signal.values[signal.valid, 0]
         moves = len(seen) > 0 and float(np.ptp(seen)) > range_at_rest(signal)

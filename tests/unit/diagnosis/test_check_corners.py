@@ -2,6 +2,7 @@
 
 from functools import cache
 
+import loops
 import numpy as np
 import pytest
 from arms import crane, drive, smooth_step, waist_and_elbow
@@ -71,6 +72,20 @@ def test_a_drive_on_a_late_clock_moves_the_arm_to_its_end(late):
     run = flexarm.simulate(crane(), record, step=5e-3)
     assert run.time[[0, -1]] == pytest.approx([late, late + 12.0], abs=0.1)
     assert check(crane(), {"run": record}, step=5e-3).faults == ()
+
+
+def test_the_encoder_of_a_pin_that_follows_its_loop_is_no_idle_motor():
+    """The piston drives it, whichever side the encoder is said to be on."""
+    arm = loops.crane()
+    run = flexarm.simulate(arm, drive({"piston": lambda t: 0.25 * smooth_step(t / 3)}, 4.0), step=1e-2)
+    sensors = [
+        Sensor(name="piston", quantity="joint_angle", joint="piston", rate_hz=100, noise_std=1e-6),
+        Sensor(
+            name="pin", quantity="joint_angle", joint="boom_pin", side="motor", rate_hz=20, noise_std=1e-5
+        ),
+    ]
+    record = flexarm.measure(run, sensors, np.random.default_rng(0), drive=["piston"])
+    assert "holds 'boom_pin' still" not in check(arm, {"run": record}, step=1e-2).summary()
 
 
 def poses(**signals: Signal) -> tuple[flexarm.Arm, Record]:
