@@ -55,7 +55,7 @@ def _draw_bands(axes: Axes, variable: xr.DataArray) -> None:
     """Draw the median of each channel, and what holds 90 % of the runs."""
     time = str(variable.dims[1])
     thinned = variable.isel({time: slice(None, None, max(1, variable.sizes[time] // INSTANTS))})
-    low, _, median, _, high = np.quantile(thinned.values, LEVELS, axis=0).reshape(
+    low, _, median, _, high = np.nanquantile(thinned.values, LEVELS, axis=0).reshape(  # drives end apart
         len(LEVELS), thinned.sizes[time], -1
     )
     for k, channel in enumerate(_channels(variable, 2)):

@@ -206,6 +206,8 @@ class LinearModel(Result):
         """
         import matplotlib.pyplot as plt
 
+        if not self.input_names:
+            raise InvalidParameter("a model without inputs has no frequency response", where="inputs")
         axes = plt.subplots()[1] if ax is None else ax
         k = 0 if input is None else _position(self.input_names, input, "input")
         own = np.abs(self.poles) / (2 * np.pi)

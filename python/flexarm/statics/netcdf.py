@@ -61,7 +61,7 @@ def contents(found: Statics) -> Contents:
             **provenance(found.arm),
             **found.solver,
             "at_link": " ".join(found.at_link),
-            **({"driven": " ".join(found.driven)} if found.arm.closures else {}),
+            "driven": " ".join(found.driven),
         },
     )
     return whole if found.sensitivities is None else found.sensitivities.add_to(whole)
