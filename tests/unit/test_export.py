@@ -207,6 +207,15 @@ def test_compliance_without_a_rotor_is_told(files):
     assert (hinge.get("damping"), hinge.get("frictionloss"), hinge.get("armature")) == ("2", "1", None)
 
 
+def test_a_stiffness_of_the_file_that_is_replaced_is_told(files):
+    text = (
+        (files / "arm.xml").read_text().replace('<joint name="hinge"', '<joint name="hinge" stiffness="300"')
+    )
+    (files / "arm.xml").write_text(text)
+    notes = flexarm.export_mjcf(Arm.from_toml(files / "arm.toml"), files / "arm.xml", files / "found.xml")
+    assert "joint hinge: stiffness 300 of the file is replaced by its joint_compliance" in notes
+
+
 def test_what_only_sounds_like_an_earlier_export_stays(files):
     """A mesh, a geometry and a body of a user's file, named as the export names joints and tendons."""
     own = '<asset><mesh name="hinge_bearing" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset><worldbody>'

@@ -174,7 +174,10 @@ def _targets(data: xr.Dataset, keys: Sequence[str], ok: Any, seed: int) -> Itera
                 continue
             if swapped:
                 rows = np.where(there, values, np.nan).reshape(_cases(data), len(keys) + 2, -1)
-                rows = rows - np.nanmean(rows[:, :2], axis=(1, 2), keepdims=True)
+                known = np.isfinite(rows[:, :2]).sum(
+                    axis=(1, 2), keepdims=True
+                )  # none where a whole case failed
+                rows = rows - np.nansum(rows[:, :2], axis=(1, 2), keepdims=True) / np.maximum(known, 1)
                 indices = from_saltelli(np.concatenate(list(rows), axis=1), seed)
             else:  # about the mean of each case: how cases differ is no parameter's part
                 off = np.where(there, values, np.nan)

@@ -61,8 +61,8 @@ def from_samples(x: Floats, y: Floats, seed: int = 0) -> Indices | None:
     bases = [_basis(column) for column in x.T]
     off, design = y[:, None] - y.mean(), _Design.of(x, bases)
     first = _Regression(bases, design).indices(off)
-    drawn = [_Regression([basis[draw] for basis in bases], design).indices(off[draw]) for draw in draws]
-    spread = np.array(drawn).T
+    resamples = ((off[draw] - off[draw].mean(), [basis[draw] for basis in bases]) for draw in draws)
+    spread = np.array([_Regression(drawn, design).indices(values) for values, drawn in resamples]).T
     unknown = np.full(d, np.nan)
     return Indices(first, _interval(spread, first, np.sqrt(m / n)), unknown, np.full((d, 2), np.nan))
 

@@ -71,8 +71,8 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path, force: bool = True)
         _remove_earlier(root, body, dynamics.joint)
         notes += own_friction(dynamics, joint, "damping", "frictionloss")
         if dynamics.elastic and dynamics.armature > 0:
-            if stated := joint.get("stiffness", "").strip("0."):
-                what = f"stiffness {stated} of the file is replaced by its joint_compliance"
+            if joint.get("stiffness", "").strip("0."):
+                what = f"stiffness {joint.get('stiffness')} of the file is replaced by its joint_compliance"
                 notes.append(f"joint {dynamics.joint}: {what}")
             _write_elastic(root, body, joint, dynamics)
             continue
