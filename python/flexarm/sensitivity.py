@@ -15,9 +15,8 @@ import numpy as np
 from flexarm import _core
 from flexarm.arguments import TEXT, takes
 from flexarm.arm import Arm
-from flexarm.arm.drive_effect import DriveEffect
-from flexarm.arm.effect import Effect
-from flexarm.arm.joint import gear_input
+from flexarm.arm.drive_effect import DriveEffect, lags_between
+from flexarm.arm.joint import Gear, gear_input
 from flexarm.arm.parameter import Parameter, neighbours, parameters, path_of
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.arrays import Floats, frozen, read_only
@@ -129,12 +128,23 @@ def entry_of(arm: Arm, parameter: Parameter) -> Table:
 
 @dataclass(frozen=True)
 class Redrive:
-    """Drive of an arm, given other effects on the sensors of a record and on how joints follow."""
+    """Drive of an arm, given other effects on sensors of a record, on how joints follow, and other gears."""
 
     places: Collection[str]
-    """Signals that drive, their clocks, and joints that follow late."""
+    """Signals that drive and their clocks."""
     motions: Callable[[Arm], Motions]
     """Motions of an arm's joints."""
+    joints: Collection[str] = ()
+    """Joints whose drives may follow late, or move them through gears."""
+
+    def changes_with(self, arm: Arm, parameter: Parameter) -> bool:
+        """Return True if a parameter changes the motions."""
+        entry = entry_of(arm, parameter)
+        if isinstance(entry, Gear):
+            return any(gear_input(arm, joint) != joint for joint in self.joints)
+        if isinstance(entry, DriveEffect):
+            return any(entry in lags_between(arm, joint) for joint in self.joints)
+        return isinstance(entry, SignalEffect | ClockEffect | FrameEffect) and entry.at in self.places
 
 
 def varied(
@@ -157,7 +167,7 @@ def varied(
     nominal = assembled(arm) if arm.closures and wanted else None
     for k, parameter in enumerate(wanted):
         moves = moves_arm(arm, parameter)
-        drives = redrive is not None and not moves and _place(arm, parameter) in redrive.places
+        drives = redrive is not None and redrive.changes_with(arm, parameter)
         if not moves and not drives:
             continue
         (above, up), (below, down) = neighbours(arm, parameter)
@@ -218,9 +228,3 @@ def collected(
         array[..., places] = derivatives
         whole[name] = read_only(array)
     return Sensitivities(wanted, whole)
-
-
-def _place(arm: Arm, parameter: Parameter) -> str:
-    entry = entry_of(arm, parameter)
-    assert isinstance(entry, Effect)
-    return entry.at

@@ -9,6 +9,7 @@ import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.effects import DriveLag
 from flexarm.errors import InvalidParameter
+from flexarm.measurement.measure import measure
 from flexarm.measurement.predict import read
 
 RATIO = 120.0
@@ -136,3 +137,41 @@ def test_a_lag_at_the_input_of_a_gear_is_refused_by_a_stepper(arm):
     late = arm.with_effect(DriveLag(at="shaft", delay=0.0, time_constant=0.1))
     with pytest.raises(InvalidParameter, match="drive_lag at 'shaft'"):
         flexarm.Stepper(late, {"hinge": "motor"})
+
+
+@pytest.mark.parametrize("driven", ["shaft", "hinge"])
+def test_derivatives_by_the_ratio_of_a_gear_are_those_of_differences(arm, driven):
+    """Where the drive names the output, the ratio turns the motor; where it names the input, the arm."""
+    angle, key, h = 0.3 * (RATIO if driven == "shaft" else 1.0), "gears.reducer.ratio", 0.01
+    time = np.linspace(0, 1, 51)
+    drive = flexarm.Drive.from_samples(time, {driven: angle * np.sin(time) ** 2})
+
+    def of(ratio, **options):
+        other = arm.with_value(key, ratio)
+        return (
+            flexarm.static(other, joints={driven: angle}, **options),
+            flexarm.simulate(other, drive, **options),
+        )
+
+    derived = of(RATIO, sensitivities=[key])
+    for found, above, below in zip(derived, of(RATIO + h), of(RATIO - h), strict=True):
+        for name in ("position", "drive_angle"):
+            differences = (getattr(above, name) - getattr(below, name)) / (2 * h)
+            assert found.sensitivities[name][..., 0] == approx(differences, abs=2e-7)
+    moved = np.linalg.norm(derived[0].sensitivities["position"])
+    assert moved < 1e-6 if driven == "hinge" else moved == approx(3.0 * 0.3 / RATIO, rel=0.02)
+
+
+@pytest.mark.parametrize("at", ["shaft", "hinge"])
+def test_a_record_holds_the_command_of_a_joint_that_lags_before_its_gear(arm, at):
+    time = np.linspace(0, 1, 51)
+    drive = flexarm.Drive.from_samples(time, {"hinge": 0.2 * np.sin(time) ** 2})
+    key = f"effects.drive_lag.{at}.time_constant"
+    late = arm.with_effect(DriveLag(at=at, delay=0.02, time_constant=0.05))
+    run = flexarm.simulate(late, drive, sensitivities=[key])
+    sensor = Sensor(name="s", quantity="joint_angle", joint="hinge", side="motor", rate_hz=100, noise_std=0.0)
+    held = measure(run, [sensor], np.random.default_rng(0), drive=["s"]).signals["s"]
+    assert held.values[:, 0] == approx(drive.joints["hinge"](held.time), abs=1e-9)
+    above, below = (flexarm.simulate(late.with_value(key, tau), drive) for tau in (0.0501, 0.0499))
+    differences = (above.position - below.position) / 2e-4
+    assert run.sensitivities["position"][..., 0] == approx(differences, abs=1e-4 * np.abs(differences).max())

@@ -5,7 +5,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from flexarm.arm.effect import Effect
+
+if TYPE_CHECKING:
+    from flexarm.arm import Arm
 
 
 class DriveEffect(Effect):
@@ -14,3 +19,12 @@ class DriveEffect(Effect):
     def lag(self) -> tuple[float, float]:
         """Return delay and time constant with which the joint follows [s]."""
         raise NotImplementedError
+
+
+def lags_between(arm: Arm, joint: str) -> list[DriveEffect]:
+    """Return the lags between a joint's drive and its motor: at the joint and at inputs of its gears."""
+    inputs = {gear.output: gear.input for gear in arm.gears}
+    places = [joint]
+    while places[-1] in inputs:
+        places.append(inputs[places[-1]])
+    return [e for e in arm.effects if isinstance(e, DriveEffect) and e.at in places and any(e.lag())]

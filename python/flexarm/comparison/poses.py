@@ -17,6 +17,7 @@ from flexarm.arm import Arm
 from flexarm.arm.parameter import Parameter, neighbours, parameters
 from flexarm.arm.sensor_effect import SignalEffect
 from flexarm.arrays import Floats
+from flexarm.assembly import joint_values
 from flexarm.comparison.pose_sequence import SEEN, PoseSequence, sequence, slopes_of
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.errors import InvalidParameter
@@ -129,7 +130,8 @@ class _StaticModel:
         found = {}
         for key, sides in self._turning.items():
             (above, up), (below, down) = (
-                ({**self.record.joints, **self.inputs(pose, true).angles}, change) for true, change in sides
+                (joint_values(self.arm, {**self.record.joints, **self.inputs(pose, true).angles}), change)
+                for true, change in sides
             )
             found[key] = DriveVariation(above, up, below, down)
         return found

@@ -30,7 +30,6 @@ from flexarm.control.loop import ControlLoop
 from flexarm.control.plant import DifferentiatedPlant
 from flexarm.control.sensing import DifferentiatedSensing, Sensing
 from flexarm.drive import Drive
-from flexarm.drive.lag import lagging
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.sensitivity import Redrive, Sensitivities, collected, entry_of, varied
@@ -58,14 +57,14 @@ class Differentiation:
             task.arm,
             wanted,
             lambda other: replace(task, arm=other).system,
-            Redrive(places | set(lagging(task.drive, task.arm)), lambda other: self._redriven(other).motions),
+            Redrive(places, lambda other: self._redriven(other).motions, task.drive.joints),
             driven={*task.drive.joints, *task.drive.rest},
         )
         self._still, _ = varied(
             task.arm,
             wanted,
             lambda other: replace(task, arm=other).held,
-            Redrive(places, lambda other: self._redriven(other).first_motions(start)),
+            Redrive(places, lambda other: self._redriven(other).first_motions(start), task.drive.joints),
             driven={*task.drive.joints, *task.drive.rest},
         )
         acting = [wanted[place] for place in self._places]

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arm import Arm
-from flexarm.arm.drive_effect import DriveEffect
+from flexarm.arm.drive_effect import DriveEffect, lags_between
 from flexarm.arrays import Floats
 from flexarm.drive.drive import Drive
 from flexarm.drive.joint_drive import JointDrive
@@ -45,7 +45,7 @@ def as_followed(drive: Drive, arm: Arm) -> Drive:
 
 def lagging(drive: Drive, arm: Arm) -> list[str]:
     """Return the driven joints that follow late."""
-    return [e.at for e in arm.effects if isinstance(e, DriveEffect) and e.at in drive.joints and any(e.lag())]
+    return [name for name in drive.joints if lags_between(arm, name)]
 
 
 def _late(drive: Drive, effects: dict[str, DriveEffect]) -> Drive:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from flexarm.arm.drive_effect import DriveEffect
+from flexarm.arm.drive_effect import lags_between
 from flexarm.arrays import Floats
 from flexarm.measurement.sampling import CannotMeasure, Described, joint_index, sample, stored
 
@@ -54,11 +54,9 @@ def told(simulation: Any, what: Any, drives: Collection[str]) -> Any:
 def follows_late(simulation: Any, joint: str | None) -> bool:
     """Return True if a joint lags behind its drive, which is then the command that the run holds."""
     told = getattr(simulation, "joint_command", None)
-    if told is None:
+    if told is None or joint is None or not lags_between(simulation.arm, joint):
         return False
-    effects = simulation.arm.effects
-    lags = any(isinstance(e, DriveEffect) and e.at == joint and any(e.lag()) for e in effects)
-    return lags and bool(np.isfinite(told[:, simulation.joints.index(joint)]).all())
+    return bool(np.isfinite(told[:, simulation.joints.index(joint)]).all())
 
 
 def quantised(values: Floats, step: float) -> Floats:

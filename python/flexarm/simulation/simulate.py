@@ -9,7 +9,7 @@ from flexarm.arguments import ARM, DRIVE, FLAG, NAMES, NUMBER, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
 from flexarm.drive import Drive
-from flexarm.drive.lag import as_followed, lagging
+from flexarm.drive.lag import as_followed
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.sensitivity import Redrive
@@ -109,7 +109,7 @@ def simulate(
             other, as_followed(told if record is None else Drive.from_record(record, other), other)
         )
 
-    redrive = Redrive({*places, *lagging(told, run.arm)}, redriven)
+    redrive = Redrive(places, redriven, told.joints)
     wanted = parameters(run.arm, sensitivities)
     run.options.record_energies = energies
     run.options.consistent_forces = consistent_forces

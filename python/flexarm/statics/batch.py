@@ -7,7 +7,7 @@ derivatives with respect to parameters are made.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike
 
 from flexarm import _core
 from flexarm.arm import Arm
-from flexarm.arm.joint import gear_input
-from flexarm.arm.parameter import Parameter, parameters
+from flexarm.arm.joint import Gear, gear_input
+from flexarm.arm.parameter import Parameter, neighbours, parameters
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, following_joints, joint_values, point_loads
-from flexarm.sensitivity import Sensitivities, collected, varied
+from flexarm.sensitivity import Sensitivities, collected, entry_of, varied
 from flexarm.statics.backlash_derivative import require_backlash_derivative
 
 SEEN = ("position", "rotation", "link_angle", "joint_torque", "section_forces", "base_wrench")
@@ -44,13 +44,13 @@ class StaticSolution:
 class DriveVariation:
     """A change of the drive angles by a parameter, such as the offset of an encoder.
 
-    Angles of the joints [rad, m] are those with a little more of it, by `up`, and a little less, by negative
-    `down`.
+    Angles of all joints [rad, m] in the order of the model are those with a little more of it, by `up`, and a
+    little less, by negative `down`.
     """
 
-    above: Mapping[str, float]
+    above: Sequence[float]
     up: float
-    below: Mapping[str, float]
+    below: Sequence[float]
     down: float
 
 
@@ -73,13 +73,15 @@ class StaticsBatch:
         differentiated: Collection[str] = SEEN,
         driven: Collection[str] = (),
     ) -> None:
-        held = {gear_input(arm, name): _core.DriveKind.motor_angle for name in turned}
+        self.parameters: tuple[Parameter, ...] = parameters(arm, sensitivities)
+        self._ratios = [each for each in self.parameters if isinstance(entry_of(arm, each), Gear)]
+        geared = [gear.input for gear in arm.gears] if self._ratios else []
+        held = {gear_input(arm, name): _core.DriveKind.motor_angle for name in (*turned, *geared)}
         held |= {name: _core.DriveKind.link_angle for name in at_link}
         points = tuple(loaded)
         self.arm, self.differentiated = arm, tuple(differentiated)
         self.system = assemble(arm, held, points, driven)
         self._following = following_joints(arm, held, driven)
-        self.parameters: tuple[Parameter, ...] = parameters(arm, sensitivities)
         self._beside, self._places = varied(
             arm,
             self.parameters,
@@ -112,8 +114,9 @@ class StaticsBatch:
             ]
         if not self.parameters:
             return StaticSolution(values, equilibrium, arrays, None)
-        slopes = self._slopes(values, equilibrium, arrays, loads, turning or {})
-        slopes["drive_angle"] = self._drive_slopes(turning or {})
+        turned = {**self._turned_through_gears(joints), **(turning or {})}
+        slopes = self._slopes(values, equilibrium, arrays, loads, turned)
+        slopes["drive_angle"] = self._drive_slopes(turned)
         return StaticSolution(values, equilibrium, arrays, Sensitivities(self.parameters, slopes))
 
     def _slopes(
@@ -126,8 +129,10 @@ class StaticsBatch:
     ) -> dict[str, Floats]:
         """Return derivatives of the arrays along the derivative of the state."""
         state, keys = equilibrium.state, [parameter.key for parameter in self.parameters]
-        beside = [*self._beside, *(self._turned(each) for each in turning.values())]
-        places = [*self._places, *(keys.index(key) for key in turning)]
+        models = dict(zip(self._places, self._beside, strict=True))
+        turned = {keys.index(key): each for key, each in turning.items()}
+        places = sorted({*models, *turned})
+        beside = [self._varied(models.get(place), turned.get(place)) for place in places]
         moving = _core.static_derivative(self.system, equilibrium, beside)
         require_backlash_derivative(
             self.arm,
@@ -154,21 +159,33 @@ class StaticsBatch:
                 found[name][..., k] = (array - down[name]) / (pair.up - pair.down)
         return dict(collected(self.parameters, places, found).arrays)
 
-    def _turned(self, turning: DriveVariation) -> _core.Varied:
-        """Return this model with its drives at other angles."""
+    def _turned_through_gears(self, joints: Mapping[str, float]) -> dict[str, DriveVariation]:
+        """Return, by key, what ratios of gears make of the angles of drives that name their outputs."""
+        found = {}
+        for parameter in self._ratios:
+            (above, up), (below, down) = neighbours(self.arm, parameter)
+            sides = [joint_values(other, joints) for other in (above, below)]
+            found[parameter.key] = DriveVariation(sides[0], up, sides[1], down)
+        return found
+
+    def _varied(self, models: _core.Varied | None, turning: DriveVariation | None) -> _core.Varied:
+        """Return models with a parameter changed, or this one, with their drives at the angles it makes."""
+        if turning is None:
+            assert models is not None
+            return models
+        plus, minus = (self.system, self.system) if models is None else (models.plus, models.minus)
         sides = [
-            [_core.PiecewisePolynomial.constant(value) for value in joint_values(self.arm, joints)]
-            for joints in (turning.above, turning.below)
+            [_core.PiecewisePolynomial.constant(value) for value in values]
+            for values in (turning.above, turning.below)
         ]
-        return _core.Varied(self.system, self.system, turning.up, turning.down, *sides)
+        return _core.Varied(plus, minus, turning.up, turning.down, *sides)
 
     def _drive_slopes(self, turning: Mapping[str, DriveVariation]) -> Floats:
         """Return derivatives of the drives' angles, shape (joint, parameter)."""
         found = np.zeros((len(self.arm.joints), len(self.parameters)))
         for k, parameter in enumerate(self.parameters):
             if (each := turning.get(parameter.key)) is not None:
-                above, below = (joint_values(self.arm, side) for side in (each.above, each.below))
-                found[:, k] = np.subtract(above, below) / (each.up - each.down)
+                found[:, k] = np.subtract(each.above, each.below) / (each.up - each.down)
         return found
 
 
