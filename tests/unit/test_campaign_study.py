@@ -164,3 +164,33 @@ def test_records_that_are_nowhere_are_an_error(tmp_path):
         InvalidFile, match=r"hold_out.*has \{x\}, which the first of records has not; it has d, m"
     ):
         planned(study_in(tmp_path, f'{FLEET}hold_out = "{{m}}/{{x}}/slow"\n'))
+
+
+def test_files_beside_the_records_of_a_fleet_are_no_records(tmp_path):
+    for name in ("m1/d1", "m1/d2"):
+        (tmp_path / "fleet" / name).mkdir(parents=True)
+    (tmp_path / "fleet/m1/notes.txt").write_text("cleaned the prisms")
+    text = FLEET.replace('"{m}/{d}/slow", "{m}/{d}/fast"', '"fleet/{m}/{d}"')
+    assert [case.labels["d"] for case in planned(study_in(tmp_path, text)).cases] == ["d1", "d2"]
+
+
+def test_drives_of_several_patterns_are_told_apart_by_their_files(tmp_path):
+    file = study_in(
+        tmp_path, SIMULATED.replace('"swing.csv"', '["slow_{load}/swing.csv", "fast_{load}/swing.csv"]')
+    )
+    for folder in ("slow_a", "fast_a"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "swing.csv").write_text((tmp_path / "swing.csv").read_text())
+    labels = [dict(case.labels) for case in planned(file).cases]
+    assert labels == [{"load": "a", "drive": f"{each}_a/swing.csv"} for each in ("slow", "fast")]
+
+
+def test_a_whole_vector_of_an_effect_that_the_model_has_not_varies(tmp_path):
+    text = SIMULATED.replace("effects.backlash.hinge.gap", "effects.reflector_offset.tip.offset")
+    plan = planned(study_in(tmp_path, text))
+    assert plan.variation.keys[1:] == tuple(f"effects.reflector_offset.tip.offset.{axis}" for axis in "xyz")
+    assert plan.variation.arm([2.0, 1e-4, 2e-4, 3e-4]).effect("reflector_offset", "tip").offset == (
+        1e-4,
+        2e-4,
+        3e-4,
+    )

@@ -42,8 +42,11 @@ def cases_of(study: Study, folder: Path) -> tuple[tuple[Case, ...], Found]:
         if not there:
             found.append((("drive", i) if len(study.drive) > 1 else ("drive",), _nothing(folder, pattern)))
         cases += [Case(labels, (path,)) for labels, path in there]
-    if len(cases) > 1 and not all(case.labels for case in cases):
-        cases = [Case({"drive": str(case.files[0].relative_to(folder))}, case.files) for case in cases]
+    if len({tuple(case.labels.items()) for case in cases}) < len(cases):
+        cases = [
+            Case({**case.labels, "drive": str(case.files[0].relative_to(folder))}, case.files)
+            for case in cases
+        ]
     return tuple(cases), found
 
 
@@ -60,7 +63,7 @@ def _record_cases(study: Study, folder: Path) -> tuple[tuple[Case, ...], Found]:
             found.append((place, what))
         elif not words and not (folder / pattern).exists():
             found.append((place, _nothing(folder, pattern)))
-    there = matches(folder, study.records[0])
+    there = [each for each in matches(folder, study.records[0]) if _is_record(each[1])]
     if words and not there:
         found.append((("records", 0), _nothing(folder, study.records[0])))
     cases = [
@@ -94,6 +97,11 @@ def matches(folder: Path, pattern: str) -> list[tuple[dict[str, str], Path]]:
         if match := re.fullmatch(regex, path.relative_to(folder).as_posix()):
             found.append((match.groupdict(), path))
     return found
+
+
+def _is_record(path: Path) -> bool:
+    """Return False for a file beside the records' folders."""
+    return path.is_dir() or path.suffix == ".toml"
 
 
 def _filled(pattern: str, labels: Mapping[str, str]) -> str:

@@ -18,11 +18,6 @@ from flexarm.campaigns.study import Study
 from flexarm.record import Record
 
 VERDICT = Variable("verdict", "", "verdict of the diagnosis")
-GAPS = tuple(
-    Variable(f"gap_{part}_{when}_rms", "m", f"rms of the {part.replace('_', ' ')} gap {when} the repair")
-    for part in ("train", "held_out")
-    for when in ("before", "after")
-)
 
 
 @dataclass
@@ -34,7 +29,7 @@ class DiagnoseRun(Runner):
     alpha: float
     seed: int
     max_seconds: float | None
-    variables: tuple[Variable, ...] = (VERDICT, *GAPS)
+    variables: tuple[Variable, ...] = (VERDICT,)
 
     def nominal(self, arm: Arm) -> list[Outcome]:
         """Return nothing: a diagnosis compares with records."""
@@ -60,7 +55,7 @@ class DiagnoseRun(Runner):
         for part in ("train", "held_out"):
             for when in ("before", "after"):
                 if (value := (report["gap"].get(part) or {}).get(f"{when}_rms")) is not None:
-                    kept[f"gap_{part}_{when}_rms"] = float(value)
+                    kept[f"gap_{part}_{when}_rms"] = float(value), report["gap"]["unit"]
         for effect in report["effects"]:
             at = effect["at"] if isinstance(effect["at"], str) else "+".join(effect["at"])
             stem = f"effects.{effect['name']}.{at}"

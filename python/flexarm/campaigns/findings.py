@@ -142,7 +142,7 @@ def findings_of(data: xr.Dataset, keys: Sequence[str], labels: Sequence[str], se
     return Findings(
         *about,
         targets=tuple(targets[:most_targets]),
-        bands=tuple(_bands(data, ok)),
+        bands=tuple(_bands(data, ok, labels)),
         costs=tuple(_costs(data, keys, ok)),
         yields=tuple(_yields(data, ok)),
         more_targets=max(0, len(targets) - most_targets),
@@ -214,7 +214,7 @@ def _case_rows(data: xr.Dataset) -> list[slice]:
     return [slice(k * count // cases, (k + 1) * count // cases) for k in range(cases)]
 
 
-def _bands(data: xr.Dataset, ok: Any) -> Iterator[Band]:
+def _bands(data: xr.Dataset, ok: Any, labels: Sequence[str]) -> Iterator[Band]:
     """Yield the quantiles of the deviation of every channel of a series that leaves its nominal run."""
     for name in _measured(data, "series"):
         variable, nominal = data[name], _nominal(data, name)
@@ -237,7 +237,7 @@ def _bands(data: xr.Dataset, ok: Any) -> Iterator[Band]:
                 with np.errstate(invalid="ignore"):
                     found = np.quantile(off, LEVELS, axis=0)
                 quantiles[:, :, first : first + step] = found.transpose(2, 0, 1)
-            where = f", {data['drive'].values[rows.start]}" if "drive" in data.coords else ""
+            where = "".join(f", {data[label].values[rows.start]}" for label in labels)
             for k, channel in enumerate(channels):
                 if not np.nan_to_num(quantiles[k]).any():  # such as across the plane of a planar arm
                     continue
@@ -340,7 +340,7 @@ def _trends(
     group = group or [""] * len(ok)
     found = []
     for name in _measured(data, "found"):
-        if not name.endswith((".std", ".probability")):
+        if name.startswith(("effects.", "refined.")) and not name.endswith((".std", ".probability")):
             values = np.where(ok, data[name].values, np.nan)
             each = trend(name, str(data[name].attrs["units"]), time, values, group)
             found += [each] if each is not None else []

@@ -178,10 +178,13 @@ def _median_values(name: str, entries: Sequence[tuple[int, str, Vary]]) -> Itera
         numbers = vary.values or tuple(v for v in (vary.mean, vary.std, vary.low, vary.high) if v is not None)
         median = Distribution(vary.distribution, numbers).median
         field, _, component = parameter.partition(".")
-        if component in COMPONENTS[:3] and field in effect_class(name).model_fields:
-            default = effect_class(name).model_fields[field].default
-            zeros = [0.0] * (len(default) if isinstance(default, tuple) else 3)
-            vectors.setdefault(field, zeros)[COMPONENTS.index(component)] = median
+        fields = effect_class(name).model_fields
+        default = fields[field].default if field in fields else None
+        length = len(default) if isinstance(default, tuple) else 3
+        if component in COMPONENTS[:3] and field in fields:
+            vectors.setdefault(field, [0.0] * length)[COMPONENTS.index(component)] = median
+        elif isinstance(default, tuple):
+            vectors[field] = [median] * length
         else:
             yield field, median
     yield from vectors.items()
