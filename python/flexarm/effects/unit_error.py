@@ -2,18 +2,22 @@ r"""A unit error: a channel's numbers are not in the unit that the file states.
 
 .. math:: \text{reading} = \text{factor} \times \text{true}                                          (1)
 
-Millimetres stated as metres have factor = 1000, degrees stated as radians 57.3, g as m/s2 0.102.
+Millimetres stated as metres have factor = 1000, degrees stated as radians 57.3, g as m/s2 0.102. The factor is
+negative where the channel counts the other way as well.
 """
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
+from pydantic import model_validator
 
 from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ChannelEffect, Channels
 from flexarm.arrays import Floats
-from flexarm.tables import Number, value_in
+from flexarm.tables import Inconsistent, Number, value_in
 
 
 class UnitError(ChannelEffect):
@@ -22,7 +26,13 @@ class UnitError(ChannelEffect):
     name = "unit_error"
     competes = False
     varies_with = "time"
-    factor: Number = value_in("-", "reading over true value", 1.0, gt=0)
+    factor: Number = value_in("-", "reading over true value", 1.0)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.factor == 0:
+            raise Inconsistent((("factor",), "must not be zero, got 0; reading over true value"))
+        return self
 
     def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
         """Eq. (1)."""
@@ -34,7 +44,7 @@ class UnitError(ChannelEffect):
 
     def noise(self, std: Floats, channels: Channels) -> Floats:
         """Return the noise, which is in the wrong unit too."""
-        return std * self._factors(channels)
+        return std * np.abs(self._factors(channels))
 
     def _factors(self, channels: Channels) -> Floats:
         return np.where(self.acts_on(channels), self.factor, 1.0)

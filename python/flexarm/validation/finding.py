@@ -268,7 +268,32 @@ def merge_findings(all_findings: Sequence[RecordFindings]) -> tuple[Fault, ...]:
     for item in items:
         if item.name == best[item.at, item.channel].name:
             by_fault.setdefault((item.name, item.at), []).append(item)
-    return tuple(sorted(map(_fault, by_fault.values()), key=lambda fault: -fault.probability))
+    found = [_fault(alike) for each in by_fault.values() for alike in _split_by_value(each)]
+    return tuple(sorted(found, key=lambda fault: -fault.probability))
+
+
+def _split_by_value(items: list[_FaultEvidence]) -> list[list[_FaultEvidence]]:
+    """Return the findings of one name at one signal, channels apart where their readings stop at other values.
+
+    Factors are of the sensor as a whole: what its channels differ by there is the model's error.
+    """
+    groups: list[list[_FaultEvidence]] = []
+    for item in items:
+        group = next(
+            (g for g in groups if any(item.channel == o.channel or _agree(item, o) for o in g)), None
+        )
+        if group is None:
+            groups.append(group := [])
+        group.append(item)
+    return groups
+
+
+def _agree(one: _FaultEvidence, other: _FaultEvidence) -> bool:
+    pairs = [(one.values[name], other.values[name]) for name in one.values]
+    return all(
+        unit == "-" and a * b > 0 or abs(a - b) <= POLICY.min_sigmas * float(np.hypot(s, t))
+        for (a, s, unit), (b, t, _) in pairs
+    )
 
 
 def _items(findings: RecordFindings) -> list[_FaultEvidence]:

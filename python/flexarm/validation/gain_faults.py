@@ -108,7 +108,7 @@ def _unit_error(channel: Channel, fit: GainFit, own: GainFit, arm: Arm) -> Chann
         f"{times} (+- {100 * relative:.1f} %){why}; "
         f"with that taken back {100 * fit.unexplained_share:.2g} % of its motion is left"
     )
-    values = {"factor": (factor, fit.std, "-")}
+    values = {"factor": (fit.gain, fit.std, "-")}
     return _if_better(channel, own, "unit_error", bayes, fit, values, sentence)
 
 

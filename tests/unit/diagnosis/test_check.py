@@ -93,6 +93,7 @@ FAULTS = {
     ),
     "torque flipped": ("torque", lambda y: -y, "sign_error", (), {}),
     "torque in kN m": ("torque", lambda y: 1e-3 * y, "unit_error", (), {"factor": (1e-3, 0.05)}),
+    "torque flipped, in kN m": ("torque", lambda y: -1e-3 * y, "unit_error", (), {"factor": (-1e-3, 0.05)}),
     "torque dead": ("torque", lambda y: 0 * y, "dead_channel", (), {"value": (0.0, 1e-9)}),
     "torque cut off": (
         "torque",

@@ -155,3 +155,26 @@ def test_a_channel_that_reads_exactly_zero_without_noise_has_a_value():
     [fault] = check(crane(), {"run": record}, step=5e-3).faults
     assert (fault.at, fault.name, fault.parameters[0].value) == ("dead", "dead_channel", 0.0)
     assert fault.effect().at == "dead"
+
+
+@pytest.mark.parametrize(("values", "named"), [((0.2, -0.3), 2), ((0.2, 0.2), 1)])
+def test_channels_that_stop_at_other_values_are_faults_of_their_own(values, named):
+    tip = flexarm.measure(
+        swung(),
+        [
+            Sensor(name="hinge", quantity="joint_angle", joint="hinge", rate_hz=100, noise_std=1e-6),
+            Sensor(name="tip", quantity="position", point="tip", rate_hz=10, noise_std=1e-4, frame="tracker"),
+            Sensor(name="rate", quantity="joint_rate", joint="hinge", rate_hz=10, noise_std=1e-5),
+        ],
+        np.random.default_rng(0),
+        drive=["hinge"],
+        frames={"tracker": Frame()},
+    )
+    old = tip.signals["tip"]
+    new = old.values.copy()
+    new[:, 0], new[:, 2] = values
+    record = tip.replace(signals={**tip.signals, "tip": old.replace(values=new)})
+    found = check(crane(), {"run": record}, step=5e-3).faults
+    assert [fault.name for fault in found] == ["dead_channel"] * named
+    told = {channel: fault.parameters[0].value for fault in found for channel in fault.channels}
+    assert told == pytest.approx({"x": values[0], "z": values[1]})
