@@ -38,6 +38,8 @@ class ChannelStatistics:
     """1 sigma of the model discrepancy, over the stated noise."""
     length: float | None
     """Its correlation length [s]; None of poses, and without a discrepancy."""
+    axis: str = ""
+    """Name of the channel, empty of a scalar."""
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _RAISED = str.maketrans("234", "²³⁴")
-_WITHOUT_PREFIX = ("", "-", "1", "1/m", "kg", "kg m2", "Hz", "%")
+_WITHOUT_PREFIX = ("", "-", "Hz", "%")
 _FREE_OF_SIZE = ("m", "rad", "s")
 """Units that begin an expression such as m/s, whose prefix stays below one.
 
@@ -34,19 +34,20 @@ def scale(values: Iterable[float | None], unit: str) -> tuple[float, str]:
     ((1000.0, 'mm'), (0.001, 'kN m/rad'))
     >>> scale([3e-10], "m"), scale([6.5e-15], "m")
     ((1000000000.0, 'nm'), (1.0, 'm'))
-    >>> scale([1.4e6], "s")
-    (1.0, 's')
+    >>> scale([1.4e6], "s"), scale([6e-4], "m2")
+    ((1.0, 's'), (1.0, 'm²'))
     """
     sizes = [abs(value) for value in values if value is not None and isfinite(value)]
     largest = max(sizes, default=0.0)
     shown = "" if unit in ("-", "1") else unit.translate(_RAISED)
-    if unit in _WITHOUT_PREFIX or largest == 0:
-        return 1.0, shown
+    first = unit.split("/")[0].split(" ")[0]
+    if unit in _WITHOUT_PREFIX or first in ("1", "kg") or first[-1:].isdigit() or largest == 0:
+        return 1.0, shown  # a prefix would count in a power
     least = 1.0 if largest >= 1 else 0.1
     power = min(9, 3 * floor(log10(largest / least * (1 + 1e-12)) / 3))
     if power not in _PREFIXES:  # rounding of the computer, below any prefix
         return 1.0, shown
-    if unit.split("/")[0].split(" ")[0] in _FREE_OF_SIZE:
+    if first in _FREE_OF_SIZE:
         power = min(power, 0)
     return 10.0**-power, _PREFIXES[power] + shown
 

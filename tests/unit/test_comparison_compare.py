@@ -189,6 +189,48 @@ def test_unknown_clock_and_frame_are_found(run):
     assert found.signals["tip"].rms["total"] < 1.2 * found.signals["tip"].noise_rms
 
 
+@pytest.mark.parametrize("fault", ["an outlier", "turned quaternions"])
+def test_an_unknown_clock_is_found_past_jumps_of_the_readings(run, fault):
+    """A tracker that reads 0, 0, 0 once; q and -q are one rotation."""
+    seen = {
+        "name": "tip",
+        "quantity": "orientation" if fault == "turned quaternions" else "position",
+        "point": "tip",
+        "rate_hz": 10,
+        "noise_std": 1e-5,
+        "clock": "tracker",
+        "frame": "tracker",
+    }
+    record = measure(
+        simulate(arm(), sweep(), rotations=True),
+        [*sensors("hinge"), Sensor(**seen)],
+        np.random.default_rng(1),
+        drive=["hinge"],
+        clocks={"controller": Clock(), "tracker": Clock(unknown=True)},
+        frames={"tracker": Frame(unknown=True)},
+        clock_errors={"tracker": ClockError(delay=7.5)},
+    )
+    tip = record.signals["tip"]
+    values = np.array(tip.values)
+    if fault == "an outlier":
+        values[97] = 0.0
+    else:
+        values[::2] *= -1
+    broken = record.replace(signals={**record.signals, "tip": tip.replace(values=values)})
+    found = compare(arm(), broken)
+    assert found.aligned.placement.clocks["tracker"].delay == pytest.approx(7.5, abs=1e-3)
+
+
+def test_a_position_along_one_axis_has_a_gap_along_it(run, tmp_path):
+    """One measured axis spans no direction of the arm."""
+    found = compare(arm(), virtual(run, sensors("hinge", "tip", axes=("z",))))
+    gap = found.signals["tip"]
+    assert gap.rms["z"] == pytest.approx(gap.rms["total"])
+    assert gap.rms["total"] < 1.2 * gap.noise_rms
+    found.save(tmp_path / "out")
+    assert (tmp_path / "out" / "gap-tip.csv").read_text().startswith("time_s,z [m]")
+
+
 def test_gross_outliers_count_neither_in_the_alignment_nor_in_the_gap(run):
     """Three readings a metre off among 160: a mean would move by 2 cm, the rms be 0.14 m."""
     record = virtual(run)

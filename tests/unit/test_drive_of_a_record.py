@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from arms import crane, drive
+from arms import crane, drive, waist_and_elbow
 
 import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.effects import JointCompliance
+from flexarm.record import Clock, Record, Signal
 
 
 def test_an_accelerometer_at_the_last_sample_reads_the_motion_and_no_stop():
@@ -27,3 +28,17 @@ def test_an_accelerometer_at_the_last_sample_reads_the_motion_and_no_stop():
     n = len(record.signals["imu"])
     off = np.abs(seen.values[:n] - record.signals["imu"].values)
     assert off[-1] == pytest.approx(off[:-1].max(), abs=0.05)
+
+
+def test_a_second_drive_on_an_unknown_clock_is_refused():
+    """Nothing says when its joint moves."""
+    t = np.linspace(0, 2, 101)
+    waist, elbow = (
+        Signal(name=joint, quantity="joint_angle", joint=joint, time=t, values=0.1 * t**2, clock=clock)
+        for joint, clock in (("waist", "a"), ("elbow", "b"))
+    )
+    record = Record(
+        signals=[waist, elbow], drive=["waist", "elbow"], clocks={"a": Clock(), "b": Clock(unknown=True)}
+    )
+    with pytest.raises(flexarm.InvalidParameter, match=r"clocks\.b: has an unknown offset to"):
+        flexarm.Drive.from_record(record, waist_and_elbow({"noise_std": 2e-5}))

@@ -233,3 +233,12 @@ def test_frequencies_have_a_range(folder):
         flexarm.InvalidFile, match=r"line 161, column hz: must lie within \+-1e\+09, got 1e\+308"
     ):
         flexarm.Record.load(folder)
+
+
+def test_a_response_in_an_unknown_frame_is_refused(folder):
+    record = flexarm.Record.load(folder)
+    imu = record.signals["imu"]
+    tip = imu.replace(quantity="position", unit="m/N", frame="tracker")
+    seen = record.replace(signals={**record.signals, "imu": tip}, frames={"tracker": Frame(unknown=True)})
+    with pytest.raises(flexarm.InvalidParameter, match=r"frames\.tracker: is unknown, and"):
+        flexarm.compare_responses(arm(), seen)

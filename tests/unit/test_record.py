@@ -467,3 +467,37 @@ def test_readings_of_poses_stand_by_pose_and_number():
     assert table.loc[("a", 2), "tip_z"] == 4
     assert table["pull_z"].dropna().tolist() == [-1, -2]
     assert table.index.names == ["pose", "reading"]
+
+
+def test_a_frequency_response_is_a_table_by_frequency():
+    f = np.array([1.0, 2.0])
+    none = np.zeros((0, 1))
+    force = Signal(name="pull", quantity="force", point="tip", axes=("z",), frequency=[], values=none)
+    tip = Signal(
+        name="tip",
+        quantity="position",
+        point="tip",
+        axes=("x", "z"),
+        frequency=f,
+        values=[[1, 2, 3, 4], [5, 6, 7, 8]],
+        input="pull",
+    )
+    table = Record(signals=[force, tip], kind="frequency_response").to_pandas()
+    assert list(table.columns) == ["tip_x_real", "tip_x_imaginary", "tip_z_real", "tip_z_imaginary"]
+    assert table.index.name == "hz"
+    assert table.loc[2.0, "tip_z_imaginary"] == 8
+
+
+def test_poses_that_are_numbers_have_one_spelling():
+    numbers = [np.array([1, 2, 3]), np.array([1.0, 2.0, 3.0]), ["1", "02", "3.0"]]
+    for pose in numbers:
+        pull = Signal(name="pull", quantity="force", point="tip", axes=("z",), pose=pose, values=[-1, -2, -3])
+        assert pull.pose.tolist() == ["1", "2", "3"]
+
+
+def test_an_encoder_that_rolls_over_is_a_doubt():
+    t = np.linspace(0, 10, 1001)
+    turned = np.mod(1.4 * t, 2 * np.pi) - np.pi
+    hinge = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=t, values=turned)
+    told = [str(problem) for problem in Record(signals=[hinge], drive=["hinge"]).check()]
+    assert any("jumps 2 times by a turn between two rows" in each for each in told)

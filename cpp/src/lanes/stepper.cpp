@@ -19,7 +19,8 @@ StepperIn<D>::StepperIn(const Kernel& kernel, const std::vector<const SystemIn<D
       coefficients_(coefficients),
       options_(options),
       numbers_(arms, loads, kernel.lanes),
-      t_(states.front().t) {
+      t_(states.front().t),
+      start_(states.front().start) {
   constexpr int n = geometry::freedoms<D>;
   const Arms& all = numbers_.arms();
   const int n_velocities = n * all.n_nodes + all.n_scalars, lanes = kernel.lanes;
@@ -213,7 +214,7 @@ void StepperIn<D>::advance(double h, const integrators::Drives& drives) {
     factored_h_ = h;
   }
   drives(t_, drive_);
-  for (const int k : growing_) numbers_.grow_bows(k, *lane_[static_cast<std::size_t>(k)].arm, t_);
+  for (const int k : growing_) numbers_.grow_bows(k, *lane_[static_cast<std::size_t>(k)].arm, t_ - start_);
   const Step step{h, coefficients_.alpha, coefficients_.beta, coefficients_.gamma};
   const Drive drive{drive_.s.data(), drive_.v.data(), drive_.v_dot.data(), drive_.torques.data()};
   kernel_.predict(numbers_.arms(), motion_, step, drive);

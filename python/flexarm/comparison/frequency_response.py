@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from flexarm.arguments import ARM, RECORD, takes
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
-from flexarm.comparison.alignment_parameters import stated_placement
+from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES, stated_placement
 from flexarm.comparison.bands import Band
 from flexarm.comparison.files import SavedGap
 from flexarm.errors import InvalidParameter
@@ -201,7 +201,8 @@ def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
     Raises
     ------
     InvalidParameter
-        If the record names what the model does not have, or an output does not follow its input.
+        If the record names what the model does not have, an output does not follow its input, or its frame
+        is unknown.
     NotConverged
         If there is no stable equilibrium.
     """
@@ -211,6 +212,12 @@ def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
     gaps = {}
     for name, signal in record.signals.items():
         if signal.input and signal.valid.any():
+            frame = record.frames.get(signal.frame)
+            if frame is not None and frame.unknown and signal.quantity in SEEN_IN_FRAMES:
+                raise InvalidParameter(
+                    f"is unknown, and the response {name!r} is seen in it; state how it stands to the base",
+                    where=f"frames.{signal.frame}",
+                )
             gaps[name] = _gap(carried, record, signal, found)
     if not gaps:
         raise InvalidParameter("holds no value of a frequency response", where="signals")

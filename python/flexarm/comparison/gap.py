@@ -157,10 +157,12 @@ def _parts(
     instants: Floats,
     residual: Floats,
 ) -> dict[str, Floats | None]:
-    """Return the residual along directions of the arm for positions, else along its own axes."""
+    """Return the residual along directions of the arm that a position spans, else along its own axes."""
     if signal.quantity == "position":
         directions = directions_of(simulated, signal, joint, instants)
-        return project(residual, signal.axes, simulated.frame(signal, placement), directions)
+        parts = project(residual, signal.axes, simulated.frame(signal, placement), directions)
+        if any(part is not None for part in parts.values()):
+            return parts
     if signal.quantity == "orientation" or (signal.spec.channels is None and signal.axes):
         axes = signal.axes or ("x", "y", "z")
         return {axis: residual[:, axes.index(axis)] if axis in axes else None for axis in "xyz"}

@@ -6,7 +6,8 @@ A clock: the delay at which measured and simulated speeds correlate best,
 
 over all delays for which a quarter of the samples falls into the run: every 0.05 s with as coarse samples,
 then from sample to sample about the best of these, last by the parabola through the best and its
-neighbours. Speeds do not depend on frames. A frame: the rigid motion that brings the measured
+neighbours. Speeds do not depend on frames. A measured step counts as at most twice the greatest simulated
+one, so that outliers do not outweigh the motion. A frame: the rigid motion that brings the measured
 points closest to the simulated ones [Kabsch1976],
 
     min sum |p_i - (R y_i + x)|^2,   R = V diag(1, 1, det(V U^T)) U^T,  U S V^T = svd(sum y p^T)     (2)
@@ -32,7 +33,7 @@ from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import IDENTITY, Registration
 from flexarm.measurement.predict import read
 from flexarm.measurement.sampling import columns
-from flexarm.measurement.tracker import base_position
+from flexarm.measurement.tracker import base_position, continuous
 from flexarm.record import Signal
 
 
@@ -114,7 +115,10 @@ class _Speeds:
         keep = np.isfinite(values).all(axis=1)
         stamps, values = simulated.instants(signal, Placement())[keep], values[keep]
         time = np.asarray(simulated.simulation.time)
-        return cls(stamps, values, time, read(simulated.simulation, signal, time) / noise)
+        predicted = read(simulated.simulation, signal, time) / noise
+        if signal.quantity == "orientation":
+            values, predicted = continuous(values), continuous(predicted)
+        return cls(stamps, values, time, predicted)
 
     @cached_property
     def steps(self) -> Floats:
@@ -136,7 +140,8 @@ class _Speeds:
         if both.sum() < max(3, overlap * len(both)):
             return None
         there = np.stack([np.interp(instants, self.time, channel) for channel in self.predicted.T], axis=1)
-        one, other = self.steps[both], np.linalg.norm(np.diff(there, axis=0), axis=1)[both]
+        other = np.linalg.norm(np.diff(there, axis=0), axis=1)[both]
+        one = np.minimum(self.steps[both], 2 * other.max())
         return one - one.mean(), other - other.mean()
 
 
@@ -218,5 +223,5 @@ def kabsch(measured: Floats, base: Floats) -> Registration:
     centre_y, centre_p = measured.mean(axis=0), base.mean(axis=0)
     u, _, vt = np.linalg.svd((measured - centre_y).T @ (base - centre_p))
     turn = vt.T @ np.diag([1.0, 1.0, float(np.sign(np.linalg.det(vt.T @ u.T)))]) @ u.T
-    roll, pitch, yaw = Rotation.from_matrix(turn).as_euler("xyz")
-    return Registration(origin=centre_p - turn @ centre_y, rpy=(float(roll), float(pitch), float(yaw)))
+    roll, pitch, yaw = Rotation.from_matrix(turn).as_euler("xyz", suppress_warnings=True).tolist()
+    return Registration(origin=centre_p - turn @ centre_y, rpy=(roll, pitch, yaw))

@@ -35,6 +35,7 @@ from flexarm.diagnosis.fit import Fit, NormalEquations, joint_jacobian
 from flexarm.diagnosis.hold_out import rms_rate
 from flexarm.diagnosis.problem import Problem
 from flexarm.fit_statistics import ChannelStatistics, Correlation, FitStatistics, Motion, PlausibleRange
+from flexarm.quantities import channel_names
 from flexarm.wording import place_words
 
 STRONGEST = 12
@@ -65,8 +66,11 @@ def _channels(fit: Fit, problem: Problem) -> Iterator[ChannelStatistics]:
             size = process.size
         else:
             size = float(np.mean(process.variances) - np.min(process.variances))
+        signal = problem.records[each.record].signals[each.signal]
+        vector = signal.quantity == "orientation"  # of small turns about x, y, z
+        axis = ("xyz" if vector else channel_names(signal.quantity, signal.axes))[each.channel]
         yield ChannelStatistics(
-            each.record, each.signal, each.channel, n, square / n, autocorrelation, size**0.5, length
+            each.record, each.signal, each.channel, n, square / n, autocorrelation, size**0.5, length, axis
         )
 
 

@@ -57,7 +57,14 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
             )
         if signal.joint in joints:
             raise InvalidParameter(f"joint {signal.joint!r} is driven twice", where="drive")
-        joints[signal.joint] = _joint_drive(signal, arm, start, _lateness(signal, record) or 0.0)
+        late = _lateness(signal, record)
+        if late is None:
+            raise InvalidParameter(
+                f"has an unknown offset to that of the first drive, and signal {name!r} drives on it; state "
+                "the offsets of both clocks",
+                where=f"clocks.{signal.clock}",
+            )
+        joints[signal.joint] = _joint_drive(signal, arm, start, late)
     spans = [_span(signal, record, arm, start) for signal in record.signals.values() if len(signal.time)]
     known = [span for span in spans if span is not None]
     if not known:

@@ -2,8 +2,8 @@ r"""A unit error: a channel's numbers are not in the unit that the file states.
 
 .. math:: \text{reading} = \text{factor} \times \text{true}                                          (1)
 
-Millimetres stated as metres have factor = 1000, degrees stated as radians 57.3, g as m/s2 0.102. The factor is
-negative where the channel counts the other way as well.
+Millimetres stated as metres have factor = 1000, degrees stated as radians 57.3, g as m/s2 0.102. The factor
+is negative where the channel counts the other way as well.
 """
 
 from __future__ import annotations

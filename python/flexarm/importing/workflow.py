@@ -24,9 +24,8 @@ from flexarm.importing.source import Array, Request, Samples, Source, Unreadable
 from flexarm.importing.stamps import Stamps, as_date, origins, stamps_of
 from flexarm.reading import reading
 from flexarm.record.compatibility import unknown_names
-from flexarm.record.load import canonical_pose
 from flexarm.record.record import Record
-from flexarm.record.signal import Signal
+from flexarm.record.signal import Signal, canonical_pose
 from flexarm.record.table import Clock
 from flexarm.tables import refuse
 from flexarm.tables.field import Path as Where

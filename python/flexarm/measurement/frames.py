@@ -80,7 +80,7 @@ class Registration:
         from scipy.spatial.transform import Rotation
 
         turn, xyz = self.in_base
-        return xyz.tolist(), Rotation.from_matrix(turn).as_euler("xyz").tolist()
+        return xyz.tolist(), Rotation.from_matrix(turn).as_euler("xyz", suppress_warnings=True).tolist()
 
     @property
     def is_base(self) -> bool:

@@ -32,8 +32,12 @@ def base_orientation(simulation: Any, what: Described, instants: Floats) -> Floa
     Components are interpolated and normalised; signs are made continuous first (q and -q are one rotation).
     """
     quaternion = stored(simulation, "orientation", what)[:, point_index(simulation, what)]
-    flips = np.where(np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0, -1.0, 1.0)
-    continuous = quaternion * np.cumprod(np.concatenate([[1.0], flips]))[:, None]
-    found = sample(simulation.time, continuous, instants)
+    found = sample(simulation.time, continuous(quaternion), instants)
     found /= np.linalg.norm(found, axis=1, keepdims=True)
     return found
+
+
+def continuous(quaternion: Floats) -> Floats:
+    """Return the same rotations, each with the sign nearer to the one before, shape (n, 4)."""
+    flips = np.where(np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0, -1.0, 1.0)
+    return np.asarray(quaternion * np.cumprod(np.concatenate([[1.0], flips]))[:, None])

@@ -14,25 +14,33 @@ if TYPE_CHECKING:
 
 
 def columns_of(signal: Signal) -> list[str]:
-    """Return the names of a signal's columns, such as `tip_x`; of a scalar its own."""
+    """Return the names of a signal's columns, such as `tip_x`; of a scalar its own.
+
+    A frequency response has two columns a channel, such as `tip_x_real` and `tip_x_imaginary`.
+    """
     axes = channel_names(signal.quantity, signal.axes)
-    return [f"{signal.name}_{axis}" if axis else signal.name for axis in axes]
+    names = [f"{signal.name}_{axis}" if axis else signal.name for axis in axes]
+    if signal.frequency is None:
+        return names
+    return [f"{name}_{part}" for name in names for part in ("real", "imaginary")]
 
 
 def data_frame(record: Record) -> pd.DataFrame:
     """Return the signals side by side, empty where a signal has no sample at an instant."""
     import pandas as pd
 
-    static = record.kind == "static"
+    static, responses = record.kind == "static", record.kind == "frequency_response"
     if static:  # rows of one pose belong together: the first reading of each with the first of another signal
         frames = [_of_poses(signal) for signal in record.signals.values()]
     else:
         frames = [
-            pd.DataFrame(signal.values, index=signal.time, columns=columns_of(signal))
+            pd.DataFrame(signal.values, index=signal.stamps, columns=columns_of(signal))
             for signal in record.signals.values()
+            if not responses or signal.input
         ]
     joined = pd.concat(frames, axis=1, sort=not static)
-    joined.index = joined.index.set_names(["pose", "reading"] if static else ["time_s"])
+    names = ["hz"] if responses else ["time_s"]
+    joined.index = joined.index.set_names(["pose", "reading"] if static else names)
     joined.attrs["units"] = {c: s.unit for s in record.signals.values() for c in columns_of(s)}
     return joined
 

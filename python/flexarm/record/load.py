@@ -17,7 +17,7 @@ from flexarm.reading import OUTSIDE, is_inside, reading
 from flexarm.record.columns import CsvFile
 from flexarm.record.consistency import STAMPS, is_input, response_unit
 from flexarm.record.file_table import RecordTable, SignalTable
-from flexarm.record.signal import Signal
+from flexarm.record.signal import Signal, canonical_pose
 from flexarm.record.table import Clock
 from flexarm.tables import check_table, read_toml
 from flexarm.tables.place import line_in
@@ -248,12 +248,3 @@ def _exists(path: Path) -> bool:
         return path.exists()
     except (OSError, ValueError):  # a name that is too long for the file system, or holds a null byte
         return False
-
-
-def canonical_pose(pose: str) -> str:
-    """Return one spelling for a pose: "3" for 3, 3.0 and 03."""
-    try:
-        number = float(pose)
-    except ValueError:
-        return pose
-    return str(int(number)) if number.is_integer() else pose

@@ -165,6 +165,12 @@ def _unit(signal: Signal, ratio: float) -> Iterable[str]:
             f"reaches {turned:g} rad at the output, {turned / (2 * pi):.1f} turns; if the file holds "
             'degrees, say unit = "deg", if it holds the motor\'s own angle, divide it by the ratio'
         )
+    if signal.quantity in ("joint_angle", "joint_command") and signal.unit == "rad":
+        steps = np.abs(np.diff(signal.values[signal.valid, 0]))
+        rolled = int(np.sum(np.abs(steps - 2 * pi) < 0.01 * 2 * pi))
+        if rolled and np.median(steps) < 0.1 * 2 * pi:
+            times = "once" if rolled == 1 else f"{rolled} times"
+            yield f"jumps {times} by a turn between two rows, as a counter that rolls over; unwrap the angle"
     if signal.quantity == "inclination" and largest > 2 * pi:
         yield f'reaches {largest:g} rad; if the file holds degrees, say unit = "deg"'
     if signal.quantity == "orientation":

@@ -130,7 +130,7 @@ class Signal:
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         if self.pose is not None:
-            pose = np.array(self.pose, dtype=str)
+            pose = np.array([canonical_pose(str(each)) for each in self.pose], dtype=str)
             pose.setflags(write=False)
             object.__setattr__(self, "pose", pose)
         for name in ("frequency", "coherence"):
@@ -144,9 +144,15 @@ class Signal:
             object.__setattr__(self, "axes", ("x", "y", "z"))
         self._check_shapes()
 
+    @property
+    def stamps(self) -> NDArray[Any]:
+        """Return what tells rows apart, shape (n,): the pose, the frequency [Hz], or the time [s]."""
+        if self.frequency is not None:
+            return self.frequency
+        return self.time if self.pose is None else self.pose
+
     def _check_shapes(self) -> None:
-        stamps = self.pose if self.pose is not None else self.time
-        stamps = stamps if self.frequency is None else self.frequency
+        stamps = self.stamps
         if self.values.ndim != 2 or stamps.shape != (len(self.values),):
             what = f"values of shape {self.values.shape} do not fit {stamps.shape} stamps"
             raise InvalidParameter(what, where=f"signals.{self.name}")
@@ -280,3 +286,12 @@ def _same(a: Any, b: Any) -> bool:
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return bool(np.array_equal(a, b, equal_nan=a.dtype.kind == "f" and b.dtype.kind == "f"))
     return bool(a == b)
+
+
+def canonical_pose(pose: str) -> str:
+    """Return one spelling for a pose: "3" for 3, 3.0 and 03."""
+    try:
+        number = float(pose)
+    except ValueError:
+        return pose
+    return str(int(number)) if number.is_integer() else pose

@@ -210,11 +210,10 @@ def channel_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
     """Return a row for each channel; one of several in a signal is named by its axis."""
     several = {(c.record, c.signal) for c in statistics.channels if c.channel > 0}
     for each in statistics.channels:
-        axis = "xyz"[each.channel] if each.channel < 3 else str(each.channel)
         lag = each.autocorrelation
         yield {
             "record": each.record,
-            "signal": f"{each.signal} {axis}" if (each.record, each.signal) in several else each.signal,
+            "signal": f"{each.signal} {each.axis}" if (each.record, each.signal) in several else each.signal,
             "rows": str(each.rows),
             "chi_square": number(each.chi_square, 2),
             "autocorrelation": "–" if lag is None else _minus(signed(lag, 2)),

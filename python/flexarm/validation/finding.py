@@ -273,7 +273,7 @@ def merge_findings(all_findings: Sequence[RecordFindings]) -> tuple[Fault, ...]:
 
 
 def _split_by_value(items: list[_FaultEvidence]) -> list[list[_FaultEvidence]]:
-    """Return the findings of one name at one signal, channels apart where their readings stop at other values.
+    """Return the findings of one name at one signal, channels apart that stop at other values.
 
     Factors are of the sensor as a whole: what its channels differ by there is the model's error.
     """
@@ -291,7 +291,7 @@ def _split_by_value(items: list[_FaultEvidence]) -> list[list[_FaultEvidence]]:
 def _agree(one: _FaultEvidence, other: _FaultEvidence) -> bool:
     pairs = [(one.values[name], other.values[name]) for name in one.values]
     return all(
-        unit == "-" and a * b > 0 or abs(a - b) <= POLICY.min_sigmas * float(np.hypot(s, t))
+        (unit == "-" and a * b > 0) or abs(a - b) <= POLICY.min_sigmas * float(np.hypot(s, t))
         for (a, s, unit), (b, t, _) in pairs
     )
 

@@ -27,6 +27,7 @@ def test_the_right_model_leaves_white_noise(found):
         assert each.chi_square == pytest.approx(1.0, abs=4 * (2 / each.rows) ** 0.5)
         assert each.autocorrelation == pytest.approx(0.0, abs=4 / each.rows**0.5)
         assert each.discrepancy < 0.5
+    assert [c.axis for c in found.statistics.channels if c.record == "slow"] == ["x", "z"]
 
 
 def test_motions_are_those_of_the_record(found):

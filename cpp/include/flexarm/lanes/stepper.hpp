@@ -81,6 +81,7 @@ class StepperIn {
   ArmNumbersIn<D> numbers_;
   std::vector<Lane> lane_;
   double t_, factored_h_ = 0;
+  double start_;  ///< of the runs [s]
   long steps_ = 0;
   integrators::DriveValues drive_;
   Rows frames_, frames_before_, s_, s_before_, v_, v_dot_, a_, multipliers_, exponent_, r_, dx_, work_,

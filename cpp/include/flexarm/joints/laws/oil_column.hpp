@@ -39,11 +39,12 @@ struct OilColumn {
     const double k = bulk_modulus * (A2 / V + a2 / v);  // eq. (1)
     const bool inside = s == y.value - retracted;
     const double k_y = inside ? bulk_modulus * (a2 * ring_area / (v * v) - A2 * piston_area / (V * V)) : 0;
-    return {.force = k * x + damping * x_dot,
+    const double force = k * x + damping * x_dot;
+    return {.force = force,
             .stiffness = k,
             .damping = damping,
             .energy = 0.5 * k * x * x,
-            .loss = damping * x_dot,
+            .loss = force,  // what the oil does not hold
             .force_by_y = k_y * x};
   }
 

@@ -77,7 +77,7 @@ struct WoundSpring {
       const double error = now.force - T;
       (error > 0 ? low : high) = T;
       double next = T + error / (1 + now.stiffness * w.first);
-      if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+      if (!(next > low && next < high)) next = 0.5 * (low + high);
       if (std::abs(next - T) <= 1e-15 * std::max(std::abs(low), std::abs(high))) return next;
       T = next;
     }
