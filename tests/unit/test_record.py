@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from arms import crane
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -337,6 +338,16 @@ def test_a_weighed_payload_takes_precedence_over_the_model(record_dir: Path, mod
     carried = record.applied_to(Arm.from_toml(model_file))
     assert [load.mass for load in carried.payloads] == [5.0]
     assert record.replace(payloads={}).applied_to(carried) is carried
+
+
+def test_a_run_without_load_is_compared_with_a_model_whose_load_is_uncertain_by_a_share() -> None:
+    model = crane(uncertainty={"payloads.load.mass": 0.02})
+    t = np.linspace(0, 1, 101)
+    hinge = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=t, values=0.1 * t**2)
+    tip = Signal(name="tip", quantity="position", point="tip", time=t[::10], values=np.zeros((11, 3)))
+    record = Record(signals=[hinge, tip], drive=["hinge"], payloads={"load": {"mass": 0.0}})
+    assert record.applied_to(model).uncertainty == {}
+    assert flexarm.compare(model, record).signals["tip"].rms["total"] > 0
 
 
 def test_records_made_wrongly_in_python_name_the_signal() -> None:

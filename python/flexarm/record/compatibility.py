@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm.attachment import Payload
 from flexarm.arm.closure import joints_moved_with
 from flexarm.arm.consistency import missing
-from flexarm.arm.effect import Effect, read_effect
+from flexarm.arm.effect import read_effect
 from flexarm.arm.link import Beam
 from flexarm.arm.rotation import scaled
 from flexarm.errors import InvalidParameter, Problem
@@ -123,7 +124,7 @@ def with_overrides(record: Record, arm: Arm) -> Arm:
             raise InvalidParameter(missing("payload", name, loads), where=f"payloads.{name}")
         loads[name] = loads[name].replace(**carried.to_plain())
     weighed = {name for name, carried in record.payloads.items() if carried.mass is not None}
-    return arm.replace(payloads=tuple(loads.values()), effects=_effects_beside(arm, weighed))
+    return _loaded(arm, loads.values(), weighed)
 
 
 def _set(arm: Arm, record: Record) -> Arm:
@@ -145,12 +146,21 @@ def with_payload_masses(arm: Arm, masses: Mapping[str, float]) -> Arm:
     if not masses:
         return arm
     loads = (load.replace(mass=masses[load.name]) if load.name in masses else load for load in arm.payloads)
-    return arm.replace(payloads=tuple(loads), effects=_effects_beside(arm, masses))
+    return _loaded(arm, loads, masses)
 
 
-def _effects_beside(arm: Arm, weighed: Container[str]) -> tuple[Effect, ...]:
-    """Return the effects of an arm without the masses of payloads that were weighed."""
-    return tuple(e for e in arm.effects if not (e.name == "payload_mass" and e.at in weighed))
+def _loaded(arm: Arm, loads: Iterable[Payload], weighed: Container[str]) -> Arm:
+    """Return an arm with other payloads, without effects on masses that were weighed.
+
+    A share of nothing is no uncertainty: it goes where the mass is 0.
+    """
+    loads = tuple(loads)
+    empty = {f"payloads.{load.name}.mass" for load in loads if load.mass == 0}
+    return arm.replace(
+        payloads=loads,
+        effects=tuple(e for e in arm.effects if not (e.name == "payload_mass" and e.at in weighed)),
+        uncertainty={key: sigma for key, sigma in arm.uncertainty.items() if key not in empty},
+    )
 
 
 def _positions(record: Record, arm: Arm) -> Iterable[Problem]:
