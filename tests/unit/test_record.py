@@ -15,7 +15,7 @@ from pytest import approx
 import flexarm
 from flexarm import Arm, Record, Signal
 from flexarm.errors import InvalidFile, InvalidParameter
-from flexarm.record import Clock, Frame
+from flexarm.record import CarriedPayload, Clock, Frame
 from flexarm.record.compatibility import _undriven
 
 STATIC = """\
@@ -345,7 +345,7 @@ def test_a_run_without_load_is_compared_with_a_model_whose_load_is_uncertain_by_
     t = np.linspace(0, 1, 101)
     hinge = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=t, values=0.1 * t**2)
     tip = Signal(name="tip", quantity="position", point="tip", time=t[::10], values=np.zeros((11, 3)))
-    record = Record(signals=[hinge, tip], drive=["hinge"], payloads={"load": {"mass": 0.0}})
+    record = Record(signals=[hinge, tip], drive=["hinge"], payloads={"load": CarriedPayload(mass=0.0)})
     assert record.applied_to(model).uncertainty == {}
     assert flexarm.compare(model, record).signals["tip"].rms["total"] > 0
 
