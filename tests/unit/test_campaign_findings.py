@@ -196,6 +196,9 @@ def test_the_page_is_whole_and_fetches_nothing(tmp_path):
     assert html == page(found, done.record)
     assert re.findall(r'(?:src|href)="(?!data:)', html) == []
     assert html.count("data:image/png;base64,") == 3
+    told = flexarm.Campaign.load(tmp_path / "out").summary()
+    assert " costs most: " in told
+    assert "  tip_position_max: median " in told
     assert "nominal</th>" not in html  # all statistics are of the deviation from the nominal run
     for words in (
         MASS,

@@ -100,13 +100,14 @@ class Campaign(Shown):
             return draw(data, name, ax)
 
     def summary(self) -> str:
-        """Return what ran, in lines."""
+        """Return what ran and what was found, in lines."""
         runs, counts = self.record["runs"], self.record["reasons"]
         lines = [
             f"{runs['ok'] + runs['failed']} runs, {runs['ok']} ok, {runs['failed']} failed: "
             f"{self.record['run_seconds']:.1f} s of computing"
         ]
         lines += [f"  {count} x {reason}" for reason, count in list(counts.items())[:5]]
+        lines += [f"  {sentence}" for sentence in self.record.get("findings", ())]
         return "\n".join(lines)
 
 

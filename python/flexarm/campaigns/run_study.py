@@ -27,7 +27,7 @@ from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.output import growing_directory, writing
 from flexarm.reading import reading
-from flexarm.report.campaign import page
+from flexarm.report.campaign import page, sentences, spreads
 
 
 @takes(study=PATH, out=PATH, resume=FLAG, force=FLAG, scheduler=TEXT, n_jobs=JOBS)
@@ -233,6 +233,7 @@ def _finished(plan: Plan, store: Store, record: dict[str, Any]) -> Campaign:
     with campaign_.dataset as data:
         findings = findings_of(data, plan.variation.keys, label_names(plan.cases), seed)
     store.write(store.directory / SUMMARY, page(findings, record).encode())
+    record["findings"] = [*sentences(findings), *spreads(findings)]
     _write_study(store, record)
     store.clear()
     return campaign_

@@ -47,6 +47,11 @@ def page(findings: Findings, record: Mapping[str, Any]) -> str:
 
 def _headline(f: Findings) -> Iterator[str]:
     yield f"{f.count} runs, {f'of which {f.failed}' if f.failed else 'none of which'} failed."
+    yield from sentences(f)
+
+
+def sentences(f: Findings) -> Iterator[str]:
+    """Yield what a campaign found, the yield first."""
     for each in f.yields:
         share, low, high = _shares(each.share, each.low90, each.high90)
         tolerance = with_unit(each.tolerance, each.unit)
@@ -66,6 +71,14 @@ def _headline(f: Findings) -> Iterator[str]:
         yield f"{surest.name} {way} by {_change(surest, f.time)}: the surest trend."
     elif f.time:
         yield "No value that the diagnoses found changes by more than chance."
+
+
+def spreads(f: Findings) -> Iterator[str]:
+    """Yield median and 90 % range of every number of the runs."""
+    for target in f.targets:
+        row = _target_row(target)
+        low, median, high = row["numbers"][-3:]
+        yield f"{target.name}: median {median}, 90 % of the runs from {low} to {high} {row['unit']}"
 
 
 def _change(each: Trend, time: str) -> str:
