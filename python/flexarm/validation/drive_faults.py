@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from math import exp, inf, log
 from typing import Any
 
@@ -163,6 +164,24 @@ def refuted_drives(arm: Arm, name: str, record: Record) -> set[str]:
     best = test.screened(drive_hypotheses(arm, record, None))[:1]
     costs = [cost for each in best if (cost := test.rigid_cost(each)) is not None]
     return wild if any(cost < as_recorded - POLICY.decisive_log_odds for cost in costs) else set()
+
+
+def exchanged_drives(arm: Arm, name: str, record: Record) -> str | None:
+    """Return a doubt about two drives with which the rigid arm moves better exchanged, or None."""
+    as_recorded = _DriveTest(arm, name, record, None, 0.0).rigid_cost(())
+    if as_recorded is None:
+        return None
+    found = []
+    for one, other in combinations((record.signals[drive] for drive in record.drive), 2):
+        if one.unit == other.unit:
+            swapped = {one.name: one.replace(joint=other.joint), other.name: other.replace(joint=one.joint)}
+            test = _DriveTest(arm, name, record.replace(signals={**record.signals, **swapped}), None, 0.0)
+            if (cost := test.rigid_cost(())) is not None:
+                found.append((cost, one.name, other.name))
+    if not found or min(found)[0] > as_recorded - POLICY.decisive_log_odds:
+        return None
+    _, *drives = min(found)
+    return f"{name}: the arm follows {' and '.join(drives)} far better exchanged: is each that of its joint?"
 
 
 def find_drive_fault(

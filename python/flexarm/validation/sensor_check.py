@@ -28,7 +28,12 @@ from flexarm.record.step_limit import endless
 from flexarm.simulation import Progress
 from flexarm.validation.channel import Channel, channels
 from flexarm.validation.clocks import remarks_on_late_signals, remarks_on_shared_clocks
-from flexarm.validation.drive_faults import apply_known_fault, find_drive_fault, refuted_drives
+from flexarm.validation.drive_faults import (
+    apply_known_fault,
+    exchanged_drives,
+    find_drive_fault,
+    refuted_drives,
+)
 from flexarm.validation.drive_hypotheses import implausible_drives
 from flexarm.validation.finding import RecordFindings, RemovedOutliers, ValidationResult, merge_findings
 from flexarm.validation.frames import remarks_on_frames, remarks_on_shared_frames, remarks_on_unstated_frames
@@ -124,6 +129,11 @@ def check(
                 simulations[name] = simulated
                 seen[name] = channels(name, simulated, initial_alignment(simulated))
         findings = _judge(arm, name, named[name], simulations.get(name), seen.get(name), step, alpha)
+        disturbed = any(each.name or each.unexplained for each in findings.channels)
+        doubt = exchanged_drives(arm, name, named[name]) if disturbed and findings.drive is None else None
+        if doubt is not None:
+            findings = RecordFindings(name)
+            doubts.append(doubt)
         all_findings.append(findings)
         named[name], notes = _without_frozen(named[name], findings)
         remarks += notes

@@ -4,7 +4,7 @@ from functools import cache, partial
 
 import numpy as np
 import pytest
-from arms import drive
+from arms import drive, smooth_step, waist_and_elbow
 from joint_motions import Sines
 from lab_arms import HINGED, PLANAR
 
@@ -168,3 +168,25 @@ def test_a_sensor_in_another_unit_is_not_its_drive(kind, signal, factor):
 @pytest.mark.parametrize("amplitude", [0.05, 0.2])
 def test_what_is_right_is_not_blamed(kind, amplitude):
     assert blamed(kind, amplitude, 0.3 if kind == "two joints" else 0.0, {}, "position motor_torque") == {}
+
+
+def test_encoders_that_stand_for_each_others_joint_are_doubted():
+    model = waist_and_elbow({"noise_std": 2e-5})
+    t = np.linspace(0, 6, 301)
+    s = smooth_step(t / 6)
+    motion = flexarm.Drive.from_samples(t, {"waist": 1.2 * s, "elbow": 0.6 * np.sin(2 * np.pi * s)})
+    record = flexarm.measure(
+        flexarm.simulate(model, motion),
+        model.sensors,
+        np.random.default_rng(1),
+        drive=["waist", "elbow"],
+        frames={"tracker": Frame()},
+    )
+    assert check(model, {"run": record}).doubts == ()
+    waist, elbow = record.signals["waist"], record.signals["elbow"]
+    signals = {"waist": waist.replace(joint="elbow"), "elbow": elbow.replace(joint="waist")}
+    found = check(model, {"run": record.replace(signals={**record.signals, **signals})})
+    assert found.doubts == (
+        "run: the arm follows waist and elbow far better exchanged: is each that of its joint?",
+    )
+    assert found.usable
