@@ -530,6 +530,36 @@ def test_poses_are_equilibria_under_their_angles_forces_and_payloads():
     assert wrong.signals["tip"].rms["tangential"] > 20 * TRACKER
 
 
+def test_gaps_of_poses_are_told_by_their_names(tmp_path):
+    found = compare(arm(), poses())
+    found.save(tmp_path / "gap")
+    rows = (tmp_path / "gap" / "gap-tip.csv").read_text().splitlines()
+    assert rows[0].split(",")[0] == "pose"
+    assert {row.split(",")[0] for row in rows[1:]} == set(poses().poses)
+    shown = [label.get_text() for label in found.plot(signal="tip").get_xticklabels()]
+    assert set(shown) <= set(poses().poses)
+
+
+def test_stamps_of_an_epoch_stay_apart_in_the_file_of_a_gap(run, tmp_path):
+    record = virtual(run)
+    late = {n: s.replace(time=s.time + 1.78e9) for n, s in record.signals.items()}
+    found = compare(arm(), record.replace(signals=late))
+    found.save(tmp_path / "gap")
+    rows = (tmp_path / "gap" / "gap-tip.csv").read_text().splitlines()[1:]
+    assert len({row.split(",")[0] for row in rows}) == len(rows)
+
+
+def test_a_quaternion_of_zeros_is_a_drop_out(run):
+    turned = simulate(arm(), sweep(), rotations=True)
+    imu = Sensor(name="imu", quantity="orientation", point="tip", rate_hz=10, noise_std=1e-4)
+    record = measure(turned, [*sensors("hinge"), imu], np.random.default_rng(1), drive=["hinge"])
+    values = np.array(record.signals["imu"].values)
+    values[7] = 0.0
+    lost = record.replace(signals={**record.signals, "imu": record.signals["imu"].replace(values=values)})
+    gaps = [compare(arm(), each, align=False).signals["imu"] for each in (record, lost)]
+    assert len(gaps[1].time) == len(gaps[0].time) - 1
+
+
 def test_an_unknown_frame_of_poses_is_found():
     """Poses seen from a station of which nothing is known: the tip's circle fixes it."""
     record = poses()

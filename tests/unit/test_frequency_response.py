@@ -188,8 +188,9 @@ def test_joints_are_inputs_by_torque_and_angle(quantity, side, port, factor):
     assert found.signals["tip"].relative_rms < 1e-6
     assert any("no noise is stated for tip" in note for note in found.notes)
     assert found.plot().get_xlabel() == "frequency [Hz]"
-    header, columns = found.signals["tip"].table()
-    assert header[1] == f"measured x real [{found.signals['tip'].unit}]"
+    table = found.signals["tip"].table()
+    assert table.columns[1] == f"measured x real [{found.signals['tip'].unit}]"
+    columns = table.to_numpy()
     assert columns[:, 1:5] == pytest.approx(columns[:, [3, 4, 1, 2]], rel=1e-4)  # measured and model
 
 

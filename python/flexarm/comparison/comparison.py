@@ -11,7 +11,6 @@ import numpy as np
 
 from flexarm.arguments import AXES, TEXT, takes
 from flexarm.arm.consistency import missing
-from flexarm.arrays import Floats
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.files import SavedGap
 from flexarm.comparison.gap import SignalGap
@@ -20,6 +19,7 @@ from flexarm.json_values import plain
 from flexarm.wording import number, scale
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
 
@@ -139,8 +139,8 @@ class Comparison(SavedGap):
                 lines.append(f"{gap.name} [{unit}]  " + "   ".join(parts))
         return lines
 
-    def tables(self) -> dict[str, tuple[list[str], Floats]]:
-        """Return the gap of each signal that does not drive: names of columns, and the columns."""
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Return the gap of each signal that does not drive, by row."""
         return {name: gap.table() for name, gap in self.evidence.items()}
 
     @takes(ax=AXES, signal=TEXT)
@@ -168,7 +168,8 @@ class Comparison(SavedGap):
         if gap.noise_rms:
             sigma = factor * gap.noise_rms / np.sqrt(max(len(parts), 1))
             axes.axhspan(-2 * sigma, 2 * sigma, color="0.85", zorder=0, label="noise, 2 sigma")
-        axes.set(xlabel="time [s]" if gap.bands else "pose", ylabel=f"{gap.name}: measured - model [{unit}]")
+        axes.set(xlabel="pose" if gap.poses else "time [s]", ylabel=f"{gap.name}: measured - model [{unit}]")
+        gap.label_poses(axes.xaxis)
         axes.legend()
         return axes
 

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from io import BytesIO, StringIO
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from flexarm.arrays import Floats
 from flexarm.output import SavedAsDirectory, stems, write_file
 from flexarm.pictures import Summarised
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
 NUMBERS = "comparison.json"
@@ -27,8 +25,8 @@ class SavedGap(SavedAsDirectory, Summarised):
         """Return the object of `flexarm compare --json`."""
         raise NotImplementedError
 
-    def tables(self) -> Mapping[str, tuple[list[str], Floats]]:
-        """Return the gap of each signal: names of columns, and the columns, shape (n, column)."""
+    def tables(self) -> Mapping[str, pd.DataFrame]:
+        """Return the gap of each signal by row."""
         raise NotImplementedError
 
     def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
@@ -43,10 +41,8 @@ class SavedGap(SavedAsDirectory, Summarised):
         numbers = json.dumps(self.to_json_dict(), indent=2, allow_nan=False)
         write_file(directory / NUMBERS, numbers + "\n")
         tables = self.tables()
-        for (name, (header, columns)), stem in zip(tables.items(), stems(list(tables)), strict=True):
-            text = StringIO()
-            np.savetxt(text, columns, "%.9g", ",", header=",".join(header), comments="")
-            write_file(directory / f"gap-{stem}.csv", text.getvalue())
+        for (name, table), stem in zip(tables.items(), stems(list(tables)), strict=True):
+            write_file(directory / f"gap-{stem}.csv", table.to_csv(index=False))
             write_file(directory / f"gap-{stem}.png", self._image(name))
 
     def _image(self, signal: str) -> bytes:

@@ -32,6 +32,7 @@ from flexarm.quantities import channel_names
 from flexarm.record.compatibility import unplaced_effects
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
     from flexarm.arm import Arm
@@ -86,15 +87,17 @@ class ResponseGap:
         size = float(np.sqrt(np.mean(np.sum(np.abs(self.measured) ** 2, axis=1))))
         return self.rms["total"] / size if size > 0 else float("inf")
 
-    def table(self) -> tuple[list[str], Floats]:
-        """Return names of columns and the columns: frequency, and both responses by channel."""
-        header, columns = ["frequency [Hz]"], [self.frequency_hz]
+    def table(self) -> pd.DataFrame:
+        """Return columns of frequency, and of both responses by channel."""
+        import pandas as pd
+
+        columns = {"frequency [Hz]": self.frequency_hz}
         for k, channel in enumerate(self.channels):
             for side, H in (("measured", self.measured[:, k]), ("model", self.model[:, k])):
                 name = side if channel == "total" else f"{side} {channel}"
-                header += [f"{name} real [{self.unit}]", f"{name} imaginary [{self.unit}]"]
-                columns += [H.real, H.imag]
-        return header, np.column_stack(columns)
+                columns[f"{name} real [{self.unit}]"] = H.real
+                columns[f"{name} imaginary [{self.unit}]"] = H.imag
+        return pd.DataFrame(columns)
 
     def _by_channel(self, values: Floats) -> dict[str, float]:
         return {
@@ -162,8 +165,8 @@ class ResponseComparison(SavedGap):
         lines.append(f"modes of the model, drives held: {', '.join(f'{f:.4g}' for f in self.modes_hz)} Hz")
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
-    def tables(self) -> dict[str, tuple[list[str], Floats]]:
-        """Return both responses of each signal by frequency: names of columns, and the columns."""
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Return both responses of each signal by frequency."""
         return {name: gap.table() for name, gap in self.signals.items()}
 
     def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:

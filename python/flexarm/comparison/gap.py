@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,10 @@ from flexarm.comparison.directions import base_directions, joint_directions, pro
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.sampling import sample
 from flexarm.record import Signal
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axis import Axis
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +54,8 @@ class SignalGap:
     """Number of rows that an effect `outliers` of the model explains."""
     gross: tuple[int, ...] = ()
     """Other rows that are outliers and count in nothing, from 0."""
+    poses: tuple[str, ...] = ()
+    """Pose of each row; empty of a motion."""
 
     def line(self, direction: str) -> tuple[Floats, Floats]:
         """Return instants and residual along a direction as a line that breaks (NaN) where rows are left out.
@@ -59,17 +65,24 @@ class SignalGap:
         part = self.parts[direction]
         assert part is not None
         between = np.diff(self.time)
-        if not self.bands or not len(between):
+        if self.poses or not len(between):
             return self.time, part
         missing = np.flatnonzero(between > 5 * np.median(between)) + 1
         return np.insert(self.time, missing, np.nan), np.insert(part, missing, np.nan)
 
-    def table(self) -> tuple[list[str], Floats]:
-        """Return names of columns and the columns: time [s] or pose, and the residual by direction."""
-        along = "time_s" if self.bands else "pose"
-        measured = {name: part for name, part in self.parts.items() if part is not None}
-        header = [along, *(f"{name} [{self.unit}]" for name in measured)]
-        return header, np.column_stack([self.time, *measured.values()])
+    def table(self) -> pd.DataFrame:
+        """Return columns of time [s] or pose, and of the residual by direction."""
+        import pandas as pd
+
+        measured = {f"{name} [{self.unit}]": part for name, part in self.parts.items() if part is not None}
+        along = {"pose": self.poses} if self.poses else {"time_s": self.time}
+        return pd.DataFrame({**along, **measured})
+
+    def label_poses(self, axis: Axis) -> None:
+        """Name at most ten poses along an axis of their numbers; a motion has none."""
+        if self.poses:
+            named = list(dict(zip(self.time.tolist(), self.poses, strict=True)).items())
+            axis.set_ticks(*zip(*named[:: -(-len(named) // 10)], strict=True))
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the signal's object of `compare --json`."""
@@ -125,6 +138,7 @@ def signal_gap(
         signal.name in simulated.record.drive,
         int(out.sum()),
         tuple(map(int, np.flatnonzero(left))),
+        () if signal.pose is None else tuple(map(str, signal.pose[keep])),
     )
 
 

@@ -148,7 +148,8 @@ def rotation_between(measured: Floats, predicted: Floats) -> Floats:
     """Return the rotation vector [rad] from predicted to measured orientation, frame axes, shape (n, 3)."""
     from scipy.spatial.transform import Rotation
 
-    known = np.isfinite(measured).all(axis=1) & np.isfinite(predicted).all(axis=1)
+    known = np.isfinite(predicted).all(axis=1) & np.any(measured != 0, axis=1)  # zeros: tracking was lost
+    known &= np.isfinite(measured).all(axis=1)
     found = np.full((len(measured), 3), np.nan)
     if known.any():
         turn = Rotation.from_quat(measured[known]) * Rotation.from_quat(predicted[known]).inv()

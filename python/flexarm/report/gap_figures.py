@@ -83,8 +83,8 @@ def label(gap: SignalGap, direction: str) -> str:
 
 
 def along(gap: SignalGap) -> str:
-    """Return the axis that a gap is drawn along; records of poses have no bands of frequency."""
-    if not gap.bands:
+    """Return the label of the axis that a gap is drawn along."""
+    if gap.poses:
         return "pose"
     return f"time after {zero:.0f} s [s]" if (zero := zero_of(gap.time)) else "time [s]"
 
@@ -150,6 +150,7 @@ def gap_along(d: BeforeAfter, record: str) -> Figure:
         ax.set_title(title)
     for ax in axes[-1]:
         ax.set_xlabel(along(first))
+        first.label_poses(ax.xaxis)
     legend_below(figure, axes[0, 0])
     return figure
 

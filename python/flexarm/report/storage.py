@@ -102,6 +102,7 @@ def _gap_facts(gap: SignalGap) -> dict[str, Any]:
         "directions": list(gap.parts),
         "bands": [[band.low, band.high, band.rms] for band in gap.bands],
         "gross": list(gap.gross),
+        "poses": list(gap.poses),
     }
 
 
@@ -232,5 +233,6 @@ def _gaps(dataset: xr.Dataset) -> Iterator[tuple[str, str, SignalGap]]:
                 parts={name: there.get(name) for name in told["directions"]},
                 bands=tuple(Band(*each) for each in told["bands"]),
                 gross=tuple(told["gross"]),
+                poses=tuple(told.get("poses", ())),
             ),
         )

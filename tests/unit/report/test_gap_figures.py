@@ -37,5 +37,6 @@ def test_a_line_breaks_where_rows_are_left_out():
     at, line = gap.line("x")
     assert np.isnan(at[10]) and np.isnan(line[10])
     assert np.delete(line, 10) == pytest.approx(values)
-    poses = SignalGap("tip", "position", "m", time, {"x": values}, {}, {}, (), None)
+    names = tuple(f"p{k}" for k in range(len(time)))
+    poses = SignalGap("tip", "position", "m", time, {"x": values}, {}, {}, (), None, poses=names)
     assert poses.line("x")[0] is time
