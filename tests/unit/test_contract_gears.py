@@ -175,3 +175,14 @@ def test_a_record_holds_the_command_of_a_joint_that_lags_before_its_gear(arm, at
     above, below = (flexarm.simulate(late.with_value(key, tau), drive) for tau in (0.0501, 0.0499))
     differences = (above.position - below.position) / 2e-4
     assert run.sensitivities["position"][..., 0] == approx(differences, abs=1e-4 * np.abs(differences).max())
+
+
+def test_a_lag_at_the_output_of_a_gear_acts_where_the_drive_names_its_input(arm):
+    time = np.linspace(0, 1, 51)
+    angle = 0.2 * np.sin(time) ** 2
+    late = arm.with_effect(DriveLag(at="hinge", delay=0.02, time_constant=0.05))
+    by_output = flexarm.simulate(late, flexarm.Drive.from_samples(time, {"hinge": angle}))
+    input_drive = flexarm.Drive.from_samples(time, {"shaft": RATIO * angle})
+    by_input, prompt = (flexarm.simulate(model, input_drive) for model in (late, arm))
+    assert by_input.position == approx(by_output.position, abs=1e-9)
+    assert np.abs(by_input.position - prompt.position).max() > 1e-3

@@ -8,10 +8,12 @@ import time
 
 import numpy as np
 import pytest
-from arms import arm, beam, drive, general, hinge, paper_arm, smooth_step
+from arms import arm, beam, crane, drive, general, hinge, paper_arm, smooth_step
 
 import flexarm
 from flexarm import InvalidFile, InvalidParameter, Simulation
+from flexarm.arm.sensor import Sensor
+from flexarm.measurement.predict import read
 
 
 @pytest.fixture(scope="module")
@@ -277,3 +279,16 @@ def test_a_motor_driven_by_torque_stands_still_until_the_start():
     assert run.joint_angle[0, 0] == 0.4
     # HHT starts from zero acceleration: a step late in velocity, of first order in the step of 2 ms.
     assert run.joint_angle[-1, 0] - 0.4 == pytest.approx(0.75, rel=5e-3)
+
+
+def test_a_drive_that_still_moves_goes_on_through_a_step_that_passes_its_end():
+    """A hinge at constant acceleration: a stop within the last step would show in the last torque."""
+    model = crane()
+    t = np.linspace(0, 1, 101)
+    moving = flexarm.Drive.from_samples(t, {"hinge": 0.3 * t**2})
+    last = []
+    for step in (2e-3, 3e-3):
+        run = flexarm.simulate(model, moving, step=step)
+        sensor = Sensor(name="torque", quantity="motor_torque", joint="hinge", side="output", rate_hz=100)
+        last.append(read(run, sensor, np.array([1.0]))[0, 0])
+    assert last[1] == pytest.approx(last[0], rel=5e-3)

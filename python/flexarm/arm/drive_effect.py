@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.joint import coupled_joints
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -22,9 +23,6 @@ class DriveEffect(Effect):
 
 
 def lags_between(arm: Arm, joint: str) -> list[DriveEffect]:
-    """Return the lags between a joint's drive and its motor: at the joint and at inputs of its gears."""
-    inputs = {gear.output: gear.input for gear in arm.gears}
-    places = [joint]
-    while places[-1] in inputs:
-        places.append(inputs[places[-1]])
+    """Return the lags between a joint's drive and its motor: at the joint and at those geared to it."""
+    places = coupled_joints([joint], arm.gears)
     return [e for e in arm.effects if isinstance(e, DriveEffect) and e.at in places and any(e.lag())]

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arm import Arm
-from flexarm.arm.drive_effect import DriveEffect, lags_between
+from flexarm.arm.drive_effect import lags_between
 from flexarm.arrays import Floats
 from flexarm.drive.drive import Drive
 from flexarm.drive.joint_drive import JointDrive
@@ -35,33 +35,25 @@ def as_followed(drive: Drive, arm: Arm) -> Drive:
 
     Raise InvalidParameter if a joint is to follow a torque or a held command late.
     """
-    effects = {effect.at: effect for effect in arm.effects if isinstance(effect, DriveEffect)}
-    late = _late(drive, effects)
-    if not arm.gears or any(joint.side == "command" for joint in drive.joints.values()):
+    joints = dict(drive.joints)
+    for name, joint in drive.joints.items():
+        for effect in lags_between(arm, name):
+            if joint.side not in ("motor", "output"):
+                raise InvalidParameter(
+                    f"{effect.name} at {effect.at!r} acts on a prescribed angle, and this run prescribes a "
+                    f"{joint.side}; leave the effect out",
+                    where=f"effects.{effect.name}.{effect.at}",
+                )
+            joints[name] = lagged(joints[name], *effect.lag())
+    late = replace(drive, joints=joints)
+    if not arm.gears or any(joint.side == "command" for joint in joints.values()):
         return late
-    at_inputs = late.at_inputs(arm)
-    return _late(at_inputs, {name: e for name, e in effects.items() if name not in drive.joints})
+    return late.at_inputs(arm)
 
 
 def lagging(drive: Drive, arm: Arm) -> list[str]:
     """Return the driven joints that follow late."""
     return [name for name in drive.joints if lags_between(arm, name)]
-
-
-def _late(drive: Drive, effects: dict[str, DriveEffect]) -> Drive:
-    if drive.joints.keys().isdisjoint(effects):
-        return drive
-    joints = dict(drive.joints)
-    for name in joints.keys() & effects.keys():
-        delay, time_constant = effects[name].lag()
-        if joints[name].side not in ("motor", "output"):
-            raise InvalidParameter(
-                f"{effects[name].name} at {name!r} acts on a prescribed angle, and this run prescribes a "
-                f"{joints[name].side}; leave the effect out",
-                where=f"effects.{effects[name].name}.{name}",
-            )
-        joints[name] = lagged(joints[name], delay, time_constant)
-    return replace(drive, joints=joints)
 
 
 def lagged(drive: JointDrive, delay: float, time_constant: float) -> JointDrive:

@@ -48,7 +48,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import pairwise
-from math import hypot
+from math import hypot, isinf
 from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
@@ -240,7 +240,8 @@ class TabulatedLaw(Effect):
             train.teeth().windup = self.table()
         else:
             train.windup = (self.of, self._changing())  # eq. (1)
-            train.stiffness = min(train.stiffness, NEARLY_RIGID)
+            if isinf(train.stiffness):
+                train.stiffness = NEARLY_RIGID
 
     def _patch_beside(self, machine: Machine) -> None:
         """Give a curvature, a force or a turn to a place that the joint carries, eq. (3)."""

@@ -89,7 +89,7 @@ class OperatingPoint:
         M, C, K = (t.N.T @ X @ t.N for X in (t.M, t.C, t.K))
         form = modal_form(Mechanics(M, C, K, F), modes)
         C, D, size = self._outputs(form, drives)
-        if not len(form.A) and not drives.any():
+        if not len(form.A) and not drives.any() and not form.residual.any():
             raise InvalidParameter(
                 "move nothing: every joint is locked and no link is flexible", where="inputs"
             )

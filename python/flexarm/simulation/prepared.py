@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import ceil
+from dataclasses import dataclass, replace
+from math import ceil, inf
+
+import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
@@ -42,7 +44,13 @@ class PreparedRun:
     @property
     def motions(self) -> list[_core.PiecewisePolynomial]:
         """Motion of every joint, in the order of the arm's."""
-        return motions(self.arm, self.drive)
+        return motions(self.arm, self.drive, self.last)
+
+    @property
+    def last(self) -> float:
+        """Instant of the last step [s]: after the end where steps do not divide a run along its drive."""
+        start, end, step = self.options.start, self.options.end, self.options.step
+        return end if end > self.drive.end else start + ceil((end - start) / step - 1e-9) * step
 
 
 def prepared(
@@ -100,9 +108,16 @@ def coordinates(name: str) -> _core.Dimension:
     return known[name]
 
 
-def motions(arm: Arm, drive: Drive) -> list[_core.PiecewisePolynomial]:
-    """Return the motion of every joint; the core does not read those of joints that nothing drives."""
-    hold = _core.PiecewisePolynomial.constant(0.0)
-    return [
-        drive.joints[joint.name].polynomial() if joint.name in drive.joints else hold for joint in arm.joints
-    ]
+def motions(arm: Arm, drive: Drive, last: float = -inf) -> list[_core.PiecewisePolynomial]:
+    """Return the motion of every joint; the core does not read those of joints that nothing drives.
+
+    Joints whose motion ends with the drive go on to the `last` instant, where a stop would jump in the rate.
+    """
+    found = [_core.PiecewisePolynomial.constant(0.0)] * len(arm.joints)
+    for k, joint in enumerate(arm.joints):
+        if joint.name in drive.joints:
+            own = drive.joints[joint.name]
+            if drive.end <= own.breaks[-1] < last and own.side != "command":
+                own = replace(own, breaks=np.append(own.breaks[:-1], last))
+            found[k] = own.polynomial()
+    return found

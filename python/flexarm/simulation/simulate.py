@@ -105,9 +105,8 @@ def simulate(
     told = run.told
 
     def redriven(other: Arm) -> list[_core.PiecewisePolynomial]:
-        return motions(
-            other, as_followed(told if record is None else Drive.from_record(record, other), other)
-        )
+        drive = told if record is None else Drive.from_record(record, other)
+        return motions(other, as_followed(drive, other), run.last)
 
     redrive = Redrive(places, redriven, told.joints)
     wanted = parameters(run.arm, sensitivities)
