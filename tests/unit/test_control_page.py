@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -73,3 +74,16 @@ def test_the_commands_of_the_page_run(model_file: Path, tmp_path: Path) -> None:
         words[words.index("--out") + 1] = str(tmp_path / words[words.index("--out") + 1])
         assert run(words) == 0
     assert len(LinearModel.load(tmp_path / "arm.nc").A) == 6
+
+
+def test_a_faster_loop_of_the_page_follows_its_command_more_closely(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A proportional loop lags by the rate over its gain: twice the gain halves the error."""
+    names: dict[str, Any] = {}
+    exec(PROGRAMS[3], names)
+    errors = names["errors"]
+    assert errors["as built"] / errors["faster"] == approx(2, rel=0.1)
+    assert "as built" in capsys.readouterr().out
+    [table] = tomllib.loads(re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)[0])["controllers"]
+    assert type(names["cascade"])(**table) == names["cascade"]
