@@ -310,6 +310,16 @@ def test_bows_grow_in_each_lane(make: Callable[..., flexarm.Arm], drive: flexarm
     assert np.abs(run.position[-1] - without.position[-1]).max() > 1e-3
 
 
+def test_bows_grow_from_the_start_of_a_run_whenever_its_drive_begins() -> None:
+    rng = np.random.default_rng(4)
+    bow = {"name": "link_bow", "at": "rod", "tip_offset": [0.02, 0, 0], "time_constant": 0.4}
+    late = flexarm.Drive.from_samples(TIME + 3.0, {"hinge": DRIVE.joints["hinge"](TIME)})
+    arms = [mast(rng, bow) for _ in range(3)]
+    for arm, run in zip(arms, side_by_side([(arm, late) for arm in arms]), strict=True):
+        assert run is not None
+        assert_same(run, flexarm.simulate(arm, late), 1e2)
+
+
 def test_arms_without_damping_go_with_those_that_have_it() -> None:
     """The first arm has none: its company keeps its own."""
     data = [mast(rng).to_dict() for rng in map(np.random.default_rng, range(3))]

@@ -316,3 +316,12 @@ def test_a_pin_gives_way_radially_by_its_force_over_its_stiffness():
     plain = flexarm.static(loops.four_bar("C", assembly=loops.assembled("C", 0.9)), {"A": 0.9})
     assert np.abs(held[0].position - plain.position).max() > 1e-4
     assert turned[0] == approx(turned[1], rel=1e-6)
+
+
+def test_energies_on_a_column_of_oil_are_in_balance():
+    """What the valve gives as the column stiffens or softens counts as damped."""
+    run = flexarm.simulate(
+        lift().with_effect(OIL), drive({"lift": extend}, 1.2, 1201), step=5e-4, alpha=0.0, energies=True
+    )
+    balance = run.kinetic + run.elastic + run.gravity + run.damped - run.work
+    assert np.ptp(balance) < 1e-5 * np.ptp(run.work)

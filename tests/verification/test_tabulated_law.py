@@ -96,6 +96,27 @@ def test_a_windup_that_falls_with_the_torque_is_a_softer_spring(slope):
     close(moved(wound), moved(soft), 1e-8)
 
 
+def test_a_windup_that_falls_steeply_about_a_step_has_the_torque_of_its_deflection():
+    """A link of 20 kg rides through the step: T/k - w(T) is the deflection, T the link's weight."""
+    law = TabulatedLaw(
+        at="hinge", quantity="windup", of="torque", x=(-100, -10, 10, 100), value=(0.1, 0.05, -0.05, -0.1)
+    )
+    model = flexarm.Arm.from_dict(
+        {
+            "format": "flexarm-arm/1",
+            "gravity": [0, 0, -G],
+            "joints": [hinge("hinge", "rod")],
+            "links": [rigid("rod", 20.0, [1.0, 0, 0], [1.0, 1.0, 1.0])],
+        }
+    ).replace(effects=(JointCompliance(at="hinge", stiffness=2e4, damping=20.0), law))
+    ride = drive({"hinge": lambda t: 1.0 + 0.2 * smooth_step(t / 8)}, 8.0, 401)
+    run = flexarm.simulate(model, ride, step=2e-3, energies=True)
+    weight = 20.0 * G * np.cos(run.joint_angle[:, 0])
+    assert np.abs(np.abs(run.joint_torque[:, 0]) - weight).max() < 2.0
+    balance = run.kinetic + run.elastic + run.gravity + run.damped - run.work
+    assert np.ptp(balance) < 0.01 * np.ptp(run.work)
+
+
 def test_a_torque_that_grows_with_the_angle_is_that_of_cables():
     cables = arm(SPRING, CableTorque(at="hinge", stiffness=30.0, rest_angle=0.2))
     close(moved(arm(SPRING, line("torque", "angle", 30.0, -6.0))), moved(cables))
