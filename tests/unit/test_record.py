@@ -1,6 +1,7 @@
 """A record holds what was measured, in SI, each signal on its own instants."""
 
 import pickle
+import re
 from math import pi
 from pathlib import Path
 
@@ -512,3 +513,24 @@ def test_an_encoder_that_rolls_over_is_a_doubt():
     hinge = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=t, values=turned)
     told = [str(problem) for problem in Record(signals=[hinge], drive=["hinge"]).check()]
     assert any("jumps 2 times by a turn between two rows" in each for each in told)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("unit", "deg", "signals.hinge.unit: must be rad or m, the unit of the values, got 'deg'"),
+        ("side", "Output", "signals.hinge.side: must be motor or output, got 'Output'"),
+        ("axes", ("x", "x"), "signals.hinge.axes: must be of x, y, z, each once"),
+        ("axes", ("X",), "signals.hinge.axes: must be of x, y, z, each once"),
+    ],
+)
+def test_signals_made_in_python_are_checked_as_those_of_files(key: str, value: object, said: str) -> None:
+    hinge = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=[0.0, 1.0], values=[0, 1])
+    with pytest.raises(InvalidParameter, match=re.escape(said)):
+        hinge.replace(**{key: value})
+
+
+@pytest.mark.parametrize(("key", "value"), [("kind", "Static"), ("initial", "rest")])
+def test_kinds_of_records_made_in_python_are_checked(key: str, value: str) -> None:
+    with pytest.raises(InvalidParameter, match=f"{key}: must be .* got '{value}'"):
+        Record(signals=[], **{key: value})

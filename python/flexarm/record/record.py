@@ -40,6 +40,10 @@ if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
 
 
+KINDS = ("motion", "static", "frequency_response")
+INITIAL = ("equilibrium", "moving")
+
+
 @holds(
     signals=SIGNALS,
     drive=NAME_OR_NAMES,
@@ -116,6 +120,9 @@ class Record(Shown):
         self._check_names()
 
     def _check_names(self) -> None:
+        for key, allowed in (("kind", KINDS), ("initial", INITIAL)):
+            if (value := getattr(self, key)) not in allowed:
+                raise InvalidParameter(f"must be {' or '.join(allowed)}, got {value!r}", where=key)
         for name in self.drive:
             if name not in self.signals:
                 raise InvalidParameter(missing("signal", name, self.signals), where="drive")

@@ -142,7 +142,20 @@ class Signal:
         object.__setattr__(self, "unit", self.unit or self.spec.units[0])
         if self.spec.channels is None and not self.axes:
             object.__setattr__(self, "axes", ("x", "y", "z"))
+        self._check_words()
         self._check_shapes()
+
+    def _check_words(self) -> None:
+        units, axes = self.spec.units, self.axes
+        checks = (
+            ("unit", bool(self.input) or self.unit in units, f"{' or '.join(units)}, the unit of the values"),
+            ("axes", set(axes) <= set("xyz") and len(set(axes)) == len(axes), "of x, y, z, each once"),
+            ("side", self.side in (None, "motor", "output"), "motor or output"),
+        )
+        for key, is_right, allowed in checks:
+            if not is_right:
+                what = f"must be {allowed}, got {getattr(self, key)!r}"
+                raise InvalidParameter(what, where=f"signals.{self.name}.{key}")
 
     @property
     def stamps(self) -> NDArray[Any]:
