@@ -243,3 +243,13 @@ def test_a_response_in_an_unknown_frame_is_refused(folder):
     seen = record.replace(signals={**record.signals, "imu": tip}, frames={"tracker": Frame(unknown=True)})
     with pytest.raises(flexarm.InvalidParameter, match=r"frames\.tracker: is unknown, and"):
         flexarm.compare_responses(arm(), seen)
+
+
+def test_a_response_needs_its_input_and_a_frequency_above_zero(folder):
+    record = flexarm.Record.load(folder)
+    imu = record.signals["imu"]
+    with pytest.raises(flexarm.InvalidParameter, match=r"signals\.imu\.input: there is no signal 'hammer'"):
+        record.replace(signals={"imu": imu})
+    still = imu.replace(frequency=[0.0], values=[[1.0, 0.0]], coherence=[0.99])
+    with pytest.raises(flexarm.InvalidParameter, match="at a frequency above 0"):
+        flexarm.compare_responses(arm(), record.replace(signals={**record.signals, "imu": still}))

@@ -214,7 +214,7 @@ def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
     found = modes(carried, dict(record.joints), count=MODES).frequency_hz.tolist()
     gaps = {}
     for name, signal in record.signals.items():
-        if signal.input and signal.valid.any():
+        if signal.input and (signal.valid & (signal.stamps > 0)).any():
             frame = record.frames.get(signal.frame)
             if frame is not None and frame.unknown and signal.quantity in SEEN_IN_FRAMES:
                 raise InvalidParameter(
@@ -223,7 +223,7 @@ def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
                 )
             gaps[name] = _gap(carried, record, signal, found)
     if not gaps:
-        raise InvalidParameter("holds no value of a frequency response", where="signals")
+        raise InvalidParameter("holds no value of a response at a frequency above 0", where="signals")
     notes = [f"{problem.where} {problem.what}" for problem in unplaced_effects(record, carried)]
     silent = [name for name, gap in gaps.items() if gap.noise_rms is None]
     notes += [f"no noise is stated for {', '.join(silent)}"] if silent else []

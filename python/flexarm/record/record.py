@@ -127,6 +127,10 @@ class Record(Shown):
             if name not in self.signals:
                 raise InvalidParameter(missing("signal", name, self.signals), where="drive")
         for signal in self.signals.values():
+            if signal.input and signal.input not in self.signals:
+                raise InvalidParameter(
+                    missing("signal", signal.input, self.signals), where=f"signals.{signal.name}.input"
+                )
             if signal.clock not in self.clocks:
                 raise InvalidParameter(
                     missing("clock", signal.clock, self.clocks), where=f"signals.{signal.name}.clock"
