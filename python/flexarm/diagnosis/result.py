@@ -1,21 +1,33 @@
-"""The result of a diagnosis: verdict, effects with alternatives, refined values, held-out gap."""
+"""The result of a diagnosis: verdict, effects with alternatives, refined values, held-out gap.
+
+A right model leaves of a held-out record what it leaves of the training, or the noise. Held-out data choose
+no effect. The signal with the largest held-out residual relative to training and noise is reported beside the
+verdict if it exceeds them by `HELD_OUT_RATIO`.
+
+No model is adequate that leaves `HELD_OUT_RATIO` of the noise of held-out data, input noise and
+discretisation error included: the verdict is then "unexplained". Where the training begins in motion, the
+initial vibration counts as noise too.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from math import floor, isfinite, log10, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from flexarm.arguments import PATH, takes
-from flexarm.diagnosis.held_out_gap import HELD_OUT_RATIO, HeldOutGap, held_out_gaps
-from flexarm.diagnosis.refined_values import Refinement, stated_sigma
+from flexarm.arm.parameter import parameters, path_of
+from flexarm.comparison.align import KEPT
 from flexarm.fit_statistics import FitStatistics
 from flexarm.law_curve import LawCurve
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
 from flexarm.pictures import Summarised, viewed
 from flexarm.report.before_after import BeforeAfter
+from flexarm.report.sentences import contradicted_sentence
+from flexarm.wording import scale, signed
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -25,7 +37,88 @@ if TYPE_CHECKING:
     from flexarm.viewer import View
 
 
+HELD_OUT_RATIO = 3.0
+"""Four readings of noise, as two poses have, are as far off once in three million times."""
+SIMULATION_ERROR = {"m": 1e-6, "rad": 1e-6}
+"""Error of any simulation by unit, for records without noise."""
+
 Verdict = Literal["effects", "adequate", "unexplained", "unusable"]
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """A refined value and its stated sigma."""
+
+    refined: Refined
+    """The value."""
+    sigma: float | None
+    """1 sigma that the model states; None if it states none."""
+
+    @property
+    def moved(self) -> float:
+        """Return the distance from the nominal value [unit]."""
+        return self.refined.value - self.refined.nominal
+
+    @property
+    def pull(self) -> float | None:
+        """Return `moved` in stated sigmas."""
+        return self.moved / self.sigma if self.sigma else None
+
+    @property
+    def determined(self) -> bool:
+        """Return True if the data say more than was known."""
+        return self.sigma is None or self.refined.std < KEPT * self.sigma
+
+    @property
+    def changed(self) -> bool:
+        """Return True if the repaired model has another value; those that are left open mostly have not."""
+        return self.refined.changed
+
+    @property
+    def texts(self) -> tuple[str, str, str]:
+        """Moved and 1 sigma with the digits that this leaves, and the unit of both."""
+        std = self.refined.std
+        factor, unit = scale([self.moved, std], self.refined.unit)
+        if not isfinite(std) or std <= 0:
+            return signed(factor * self.moved, 2), "–", unit
+        places = max(0, min(9, 1 - floor(log10(factor * std))))
+        return signed(factor * self.moved, places), f"{factor * std:.{places}f}", unit
+
+
+def stated_sigma(arm: Arm, key: str) -> float | None:
+    """Return 1 sigma of a parameter from `[uncertainty]`: of the value itself or of its vector, or None.
+
+    `key` is such as "points.tip.position.x"; the model's own key may end in a unit.
+    """
+    for given in arm.uncertainty:
+        if key in {parameter.key for parameter in parameters(arm, given)}:
+            _, sigma = arm.sigma(given)
+            component = path_of(arm, key).component or 0
+            return float(sigma[component] if isinstance(sigma, tuple) else sigma) or None
+    return None
+
+
+@dataclass(frozen=True)
+class HeldOutGap:
+    """Residuals of a signal after the update, in a held-out record and in the training, in its unit."""
+
+    record: str
+    signal: str
+    unit: str
+    held_out: float
+    noise: float | None
+    training: float | None
+
+    @property
+    def least(self) -> float:
+        """Return what a simulation misses anyway."""
+        return SIMULATION_ERROR.get(self.unit, 0.0)
+
+    @property
+    def ratio(self) -> float:
+        """To the greater one of what is left of the training and the noise; zero where nothing is known."""
+        known = max(self.noise or 0.0, self.training or 0.0, self.least)
+        return self.held_out / known if known > 0 else 0.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -197,3 +290,41 @@ class Diagnosis(BeforeAfter, SavedAsDirectory, Summarised):
         from flexarm.report.diagnosis import write  # needed only to write
 
         write(self, directory, model)
+
+
+def adequate_if_predicted(
+    d: Diagnosis, input_variance_ratio: Mapping[str, float], initial_transient: bool
+) -> Diagnosis:
+    """Return the diagnosis, "unexplained" if it is "adequate" and held-out data contradict that.
+
+    `input_variance_ratio` is the mean square of input noise and discretisation error over that of the noise,
+    by signal. `initial_transient` is True if a training record begins in motion: `compare` then shows
+    vibrations that a fit removes.
+    """
+    if d.verdict != "adequate":
+        return d
+
+    def times(left: HeldOutGap) -> float:
+        if left.noise is None or initial_transient:
+            return left.ratio
+        return left.held_out / max(
+            left.noise * sqrt(1 + input_variance_ratio.get(left.signal, 0.0)), left.least, 1e-300
+        )
+
+    worst = max(held_out_gaps(d), key=times, default=None)
+    if worst is None or times(worst) < HELD_OUT_RATIO:
+        return d
+    said = contradicted_sentence(worst)
+    return replace(d, verdict="unexplained", remainder=" ".join(filter(None, (said, d.remainder))))
+
+
+def held_out_gaps(d: Diagnosis) -> list[HeldOutGap]:
+    """Return the held-out gap of each signal that is evidence, in each record."""
+    found = []
+    for record in d.held_out:
+        for signal, gap in (d.after[record].evidence if record in d.after else {}).items():
+            held, trained = d.gap([record], signal), d.gap(d.training, signal)
+            if held.after_rms is not None:
+                unit, after = gap.unit, held.after_rms
+                found.append(HeldOutGap(record, signal, unit, after, held.noise_rms, trained.after_rms))
+    return found

@@ -23,7 +23,6 @@ from flexarm.diagnosis.coarse_encoders import CoarseEncoder, with_errors_of_driv
 from flexarm.diagnosis.design.next_experiment import NextExperiment, next_experiment
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit_statistics import constancy, fit_statistics
-from flexarm.diagnosis.held_out_gap import adequate_if_predicted
 from flexarm.diagnosis.hold_out import left_out, masked_outliers, named_hold_out, outlier_remarks, split
 from flexarm.diagnosis.naming import (
     named_effects,
@@ -46,7 +45,7 @@ from flexarm.diagnosis.nuisance import counted_from_stamps, nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import greatest_by_signal
-from flexarm.diagnosis.result import Diagnosis, Verdict
+from flexarm.diagnosis.result import Diagnosis, Verdict, adequate_if_predicted
 from flexarm.diagnosis.screening import probe
 from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.sensor_zeros import of_model, set_zeros, with_zeros, without_idle_zeros

@@ -16,8 +16,7 @@ from flexarm.fit_statistics import PooledGap
 from flexarm.wording import listed, number, place_words, probability, scale, signed, with_unit
 
 if TYPE_CHECKING:
-    from flexarm.diagnosis.held_out_gap import HeldOutGap
-    from flexarm.diagnosis.result import Diagnosis
+    from flexarm.diagnosis.result import Diagnosis, HeldOutGap
     from flexarm.named_effects import Alternative, NamedEffect
     from flexarm.report.before_after import BeforeAfter
 

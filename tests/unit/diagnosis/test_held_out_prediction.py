@@ -9,7 +9,7 @@ from planted import two_joints
 from posed import posed, poses
 
 import flexarm
-from flexarm.diagnosis.held_out_gap import HELD_OUT_RATIO, HeldOutGap, adequate_if_predicted
+from flexarm.diagnosis.result import HELD_OUT_RATIO, HeldOutGap, adequate_if_predicted
 from flexarm.effects import JointCompliance
 from flexarm.report.diagnosis import write
 from flexarm.report.sentences import unpredicted_sentence

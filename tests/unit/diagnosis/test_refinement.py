@@ -5,7 +5,7 @@ import pytest
 from arms import crane
 from pytest import approx
 
-from flexarm.diagnosis.refined_values import Refinement, stated_sigma
+from flexarm.diagnosis.result import Refinement, stated_sigma
 from flexarm.named_effects import Refined
 
 
