@@ -30,7 +30,7 @@ from blind_plan import COUNTS, KINDS, Spec, planned
 from blind_table import Outcome, same
 
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES
+from flexarm.diagnosis.selection import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES
 from flexarm.diagnosis.moves.search_state import Move
 from flexarm.diagnosis.policy import MOVES, SelectionPolicy
 

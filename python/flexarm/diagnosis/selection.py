@@ -1,6 +1,6 @@
 """Selection of effects: forward, backward, refine, swap.
 
-*Forward*: the moves of `moves.registry` propose larger models; the best of them is taken if it is accepted
+*Forward*: the moves of `FORWARD` propose larger models; the best of them is taken if it is accepted
 (`acceptance`). Where one effect explains too little, sets of two and three compete with it and with its own
 extensions, since screening about the nominal model may order them wrongly. *Backward*: an effect that the
 others made needless is dropped, and the search goes forward once more. *Refine*: all values move together to
@@ -34,8 +34,9 @@ from flexarm.diagnosis.cross_validation import log_odds_lost, press_rms
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import explained_share, log_bayes_factor
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
-from flexarm.diagnosis.moves.families import without_idle_places
-from flexarm.diagnosis.moves.registry import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES
+from flexarm.diagnosis.moves.confounding import confounding
+from flexarm.diagnosis.moves.families import families, without_idle_places
+from flexarm.diagnosis.moves.proposals import pairs, shapes, singles, spring_swap, triples, twin_spring
 from flexarm.diagnosis.moves.search_state import Move, SearchState
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
 from flexarm.diagnosis.refinement import (
@@ -47,6 +48,22 @@ from flexarm.diagnosis.refinement import (
 )
 from flexarm.diagnosis.screening import Probed
 from flexarm.diagnosis.settings import FIT
+
+FORWARD: Mapping[str, Move] = {
+    "singles": singles,
+    "families": families,
+    "twin_spring": twin_spring,
+    "confounding": confounding,
+}
+"""They add an effect."""
+CONFLICT: Mapping[str, Move] = {"confounding": confounding, **FORWARD}
+"""The same where nothing but a conflict with priors is left."""
+SETS: Mapping[str, Move] = {"pairs": pairs, "triples": triples}
+"""They compete with a single effect, which is the model that they get."""
+ELSEWHERE: Mapping[str, Move] = {"spring_swap": spring_swap}
+"""They change the best model."""
+SHAPES: Mapping[str, Move] = {"shapes": shapes}
+"""They free the shape of one of its laws."""
 
 
 def best_of(estimator: Estimator, fits: Sequence[Fit], old: Fit, criteria: Criteria) -> tuple[Fit, Estimator]:

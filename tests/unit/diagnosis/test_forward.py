@@ -11,8 +11,7 @@ from flexarm.diagnosis import selection as module
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.moves import confounding, registry, search_state
-from flexarm.diagnosis.moves import proposals as promising
+from flexarm.diagnosis.moves import confounding, proposals, search_state
 from flexarm.diagnosis.moves.search_state import SearchState
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
@@ -240,8 +239,8 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
     """Sizes of first order may be absurd; three are fitted all the same."""
     sets = ["bow and tilt", "bow and play", "friction", "bow and mass", "tilt", "play", "mass"]
     shares = [SimpleNamespace(members=(name,), share=0.9 - k / 100) for k, name in enumerate(sets)]
-    monkeypatch.setattr(promising, "screen_sets", lambda *_: shares)
-    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(proposals, "screen_sets", lambda *_: shares)
+    monkeypatch.setattr(proposals, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
 
     def fitted(members, nearby, limit):
@@ -251,17 +250,17 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
 
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
     estimator = SimpleNamespace(trial=fitted, problem=NOTHING)
-    assert names(promising.fit_sets(estimator, STATE, BARE, 2)) == ["friction", "tilt", "play"]
+    assert names(proposals.fit_sets(estimator, STATE, BARE, 2)) == ["friction", "tilt", "play"]
 
 
 def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
     shares = [SimpleNamespace(members=(name,), share=share) for name, share in (("tilt", 0.2), ("bow", 0.02))]
-    monkeypatch.setattr(promising, "screen_sets", lambda *_: shares)
-    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(proposals, "screen_sets", lambda *_: shares)
+    monkeypatch.setattr(proposals, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
     estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
-    assert names(promising.fit_sets(estimator, STATE, BARE, 2)) == ["tilt"]
+    assert names(proposals.fit_sets(estimator, STATE, BARE, 2)) == ["tilt"]
 
 
 def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeypatch):
@@ -270,13 +269,13 @@ def test_sets_that_explain_what_is_slow_are_fitted_where_all_leave_a_gap(monkeyp
     found = lambda *given: [  # noqa: E731
         SimpleNamespace(members=(name,), share=0.9) for name in seen[given[-1] is not None and len(given) > 4]
     ]
-    monkeypatch.setattr(promising, "screen_sets", found)
-    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(proposals, "screen_sets", found)
+    monkeypatch.setattr(proposals, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
     for gap, fits in ((False, ["two springs"]), (True, ["two springs", *seen[True]])):
         monkeypatch.setattr(Criteria, "leaves_gap", lambda *_, gap=gap: gap)
-        assert names(promising.fit_sets(estimator, STATE, BARE, 2)) == fits
+        assert names(proposals.fit_sets(estimator, STATE, BARE, 2)) == fits
 
 
 @pytest.mark.parametrize("gap, tried", [(True, 15), (False, 6)], ids=["all leave a gap", "one leaves none"])
@@ -287,25 +286,25 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     """
     shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.9 - k / 100) for k in range(20)]
     slow = [shares[k] for k in (3, 14, 15, 16)]
-    monkeypatch.setattr(promising, "screen", lambda *_, seen=None: slow if seen is not None else shares)
-    monkeypatch.setattr(promising, "slow_part", lambda problem: len)
-    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "rescreened_at_size", lambda estimator, shares, best: shares)
-    monkeypatch.setattr(promising, "_multi_started", lambda *_: [])
+    monkeypatch.setattr(proposals, "screen", lambda *_, seen=None: slow if seen is not None else shares)
+    monkeypatch.setattr(proposals, "slow_part", lambda problem: len)
+    monkeypatch.setattr(proposals, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(proposals, "rescreened_at_size", lambda estimator, shares, best: shares)
+    monkeypatch.setattr(proposals, "_multi_started", lambda *_: [])
     monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
     estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
-    found = names(promising.fit_singles(estimator, [None] * 20, BARE, CRITERIA))
+    found = names(proposals.fit_singles(estimator, [None] * 20, BARE, CRITERIA))
     assert len(found) == len(set(found)) == tried
 
 
 def test_what_promises_less_than_would_be_worth_a_name_is_not_fitted_even_then(monkeypatch):
     shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.5**k) for k in range(20)]
-    monkeypatch.setattr(promising, "screen", lambda *_: shares)
-    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "rescreened_at_size", lambda estimator, shares, best: shares)
-    wanted, others = promising._screened(
+    monkeypatch.setattr(proposals, "screen", lambda *_: shares)
+    monkeypatch.setattr(proposals, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(proposals, "rescreened_at_size", lambda estimator, shares, best: shares)
+    wanted, others = proposals._screened(
         SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False
     )
     assert len(wanted) == 6
@@ -317,13 +316,13 @@ def test_laws_are_looked_at_again_at_the_ends_of_what_is_plausible(monkeypatch, 
     """A damping ten times the nominal one explains hardly anything to first order, and half at its end."""
     near = [SimpleNamespace(members=("near",), places=("near",), share=most)]
     far = [SimpleNamespace(members=("far",), places=("far",), share=0.5)]
-    monkeypatch.setattr(promising, "screen", lambda *_: near)
-    monkeypatch.setattr(promising, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(promising, "rescreened_at_size", lambda estimator, shares, best: shares)
-    monkeypatch.setattr(promising, "_at_ends", lambda *_: far)
-    wanted, _ = promising._screened(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=True)
+    monkeypatch.setattr(proposals, "screen", lambda *_: near)
+    monkeypatch.setattr(proposals, "one_variant", lambda shares, most: list(shares)[:most])
+    monkeypatch.setattr(proposals, "rescreened_at_size", lambda estimator, shares, best: shares)
+    monkeypatch.setattr(proposals, "_at_ends", lambda *_: far)
+    wanted, _ = proposals._screened(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=True)
     assert wanted[0].members == (first,)
-    wanted, _ = promising._screened(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False)
+    wanted, _ = proposals._screened(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False)
     assert wanted[0].members == ("near",)  # what is left is noise, of which nothing explains half
 
 
@@ -332,7 +331,7 @@ def test_the_ends_are_those_of_laws_of_one_parameter_that_are_not_there():
     problem = Problem(run_of("two joints").simulation.arm, {"run": run_of("two joints").record}, step=4e-3)
     estimator = Estimator.nominal(problem, nuisance_model(problem))
     probed = [Probed(each, np.empty((0, 0))) for each in candidates(problem, estimator.nuisance.arm)]
-    found = promising._at_ends(estimator, probed, SimpleNamespace(spots={("link_mass", "fore")}))
+    found = proposals._at_ends(estimator, probed, SimpleNamespace(spots={("link_mass", "fore")}))
     values = {(m.name, m.at): [] for (m,) in (share.members for share in found)}
     for (m,) in (share.members for share in found):
         values[m.name, m.at].append(m.effect.parameters()[0][1])
@@ -345,9 +344,9 @@ def test_the_ends_are_those_of_laws_of_one_parameter_that_are_not_there():
 def test_where_only_an_unknown_is_strained_only_what_takes_over_is_fitted(monkeypatch):
     monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
     monkeypatch.setattr(SearchState, "candidates", lambda *_: [])
-    monkeypatch.setattr(promising, "fit_singles", lambda *_: [made("ac")])
-    assert promising.singles(STATE, made("a"), None, [made("ab")]) == []
-    assert names(promising.singles(STATE, made("a"), None, [])) == ["ac"]
+    monkeypatch.setattr(proposals, "fit_singles", lambda *_: [made("ac")])
+    assert proposals.singles(STATE, made("a"), None, [made("ab")]) == []
+    assert names(proposals.singles(STATE, made("a"), None, [])) == ["ac"]
 
 
 def test_no_sets_are_tried_where_only_an_unknown_is_strained(search, monkeypatch):
@@ -371,14 +370,14 @@ def test_an_effect_is_looked_for_beside_a_spring_elsewhere_that_leaves_as_little
     found.tried = [far, twin]
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)
     monkeypatch.setattr(
-        registry, "newly_soft_joints", lambda fit: {at for name, at in fit.places if "joint" in name}
+        proposals, "newly_soft_joints", lambda fit: {at for name, at in fit.places if "joint" in name}
     )
     monkeypatch.setattr(found, "with_new_springs", lambda fit, about: [rubs, other])
     asked = []
     monkeypatch.setattr(
-        registry, "fit_singles", lambda about, laws, fit, criteria: asked.append((laws, fit)) or []
+        proposals, "fit_singles", lambda about, laws, fit, criteria: asked.append((laws, fit)) or []
     )
-    assert registry.twin_spring(found, best, None, []) == []
+    assert proposals.twin_spring(found, best, None, []) == []
     assert asked == [([rubs], twin)]
 
 
@@ -404,8 +403,8 @@ def test_sizes_of_what_takes_over_unknowns_count_from_stated_values(search, monk
     monkeypatch.setattr(
         confounding, "confounded_fits", lambda about, probed, fit, near: asked.append(probed) or []
     )
-    monkeypatch.setattr(promising, "fit_singles", lambda about, probed, *_: asked.append(probed) or [])
-    for move in (confounding.confounding, promising.singles):
+    monkeypatch.setattr(proposals, "fit_singles", lambda about, probed, *_: asked.append(probed) or [])
+    for move in (confounding.confounding, proposals.singles):
         move(found, made("ab"), None, [])
     assert asked == [["stated"], ["fitted"]]
 
