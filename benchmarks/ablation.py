@@ -30,9 +30,9 @@ from blind_plan import COUNTS, KINDS, Spec, planned
 from blind_table import Outcome, same
 
 from flexarm.diagnosis.fit import Fit
-from flexarm.diagnosis.selection import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES
 from flexarm.diagnosis.moves.search_state import Move
 from flexarm.diagnosis.policy import MOVES, SelectionPolicy
+from flexarm.diagnosis.selection import CONFLICT, ELSEWHERE, FORWARD, SETS, SHAPES
 
 DEFAULT = ("default", {})
 """Name of a policy, and the fields that it changes."""

@@ -17,7 +17,7 @@ from flexarm.calibration.families import Family
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.comparison.poses import solve_poses
-from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
+from flexarm.diagnosis.family import HierarchicalPrior
 from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.record import Clock, Frame

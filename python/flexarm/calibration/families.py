@@ -1,6 +1,6 @@
 """Families: one effect at all places of a kind, as one hypothesis with a hierarchical prior.
 
-Eqs. (1) to (3) are those of `diagnosis.hierarchical_prior`; tau_0 and nu are `family_spread` and
+Eqs. (1) to (3) are those of `diagnosis.family`; tau_0 and nu are `family_spread` and
 `family_count`.
 """
 
@@ -17,7 +17,7 @@ from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.diagnosis.candidates import places_of
-from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
+from flexarm.diagnosis.family import HierarchicalPrior
 from flexarm.diagnosis.nuisance import bare_key
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.settings import FIT

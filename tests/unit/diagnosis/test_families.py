@@ -16,8 +16,7 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
-from flexarm.diagnosis.family import EffectFamily, family_of
-from flexarm.diagnosis.hierarchical_prior import HierarchicalPrior
+from flexarm.diagnosis.family import EffectFamily, HierarchicalPrior, family_of
 from flexarm.diagnosis.moves.families import _in_place_of_singles, without_idle_places
 from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import FamilyPolicy
