@@ -19,8 +19,8 @@ from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.diagnosis.candidates import places_of
 from flexarm.diagnosis.family import HierarchicalPrior
 from flexarm.diagnosis.nuisance import bare_key
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter
 
 

@@ -41,11 +41,10 @@ from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.proposals import one_variant
 from flexarm.diagnosis.moves.search_state import small_steps
-from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.diagnosis.policy import FIT, SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.refinement import predicted_decrease, refinement_step
 from flexarm.diagnosis.screening import LONGER, Probed, Share, rescreened_at_size, screen
-from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter
 from flexarm.named_effects import Place
 

@@ -22,7 +22,7 @@ from flexarm.arm.effect import Effect
 from flexarm.arm.joint_units import parameters_in, priors_in
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arrays import Floats
-from flexarm.diagnosis.settings import FIT
+from flexarm.diagnosis.policy import FIT
 from flexarm.errors import InvalidParameter
 from flexarm.named_effects import Place
 

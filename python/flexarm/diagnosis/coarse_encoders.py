@@ -27,8 +27,8 @@ from flexarm.diagnosis.noise_model import (
     smoothed,
     weighted_by_input_noise,
 )
+from flexarm.diagnosis.policy import NOISE_MODEL
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.encoder import quantised

@@ -39,7 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
-from flexarm.diagnosis.settings import NOISE_MODEL
+from flexarm.diagnosis.policy import NOISE_MODEL
 from flexarm.filters import recursive_filter
 from flexarm.record import Record
 

@@ -25,8 +25,8 @@ from flexarm.diagnosis.family import with_spreads
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection, gls_nuisance
 from flexarm.diagnosis.least_squares import LeastSquares
 from flexarm.diagnosis.nuisance import NuisanceModel
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.settings import FIT
 
 
 @dataclass(eq=False)

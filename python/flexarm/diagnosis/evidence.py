@@ -46,9 +46,9 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.diagnosis.discrepancy import Discrepancy, in_time, of_poses
 from flexarm.diagnosis.fit import Fit, gls_step
+from flexarm.diagnosis.policy import NOISE_MODEL
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import Rows
-from flexarm.diagnosis.settings import NOISE_MODEL
 
 Channel = tuple[str, str, int]
 

@@ -51,8 +51,7 @@ from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.fit import Fit, posterior_covariance
-from flexarm.diagnosis.policy import FamilyPolicy
-from flexarm.diagnosis.settings import FIT
+from flexarm.diagnosis.policy import FIT, FamilyPolicy
 from flexarm.named_effects import Place
 
 

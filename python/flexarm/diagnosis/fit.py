@@ -41,8 +41,8 @@ from numpy.typing import NDArray
 from flexarm.arrays import Floats
 from flexarm.diagnosis.candidate import Candidate, TransformedParameter, prior_rows
 from flexarm.diagnosis.nuisance import NuisanceModel
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.residual_rows import is_non_smooth
-from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.named_effects import Place
 

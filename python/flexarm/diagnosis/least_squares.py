@@ -30,7 +30,7 @@ from flexarm.arrays import Floats
 from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate, TransformedParameter, members_at, prior_rows
 from flexarm.diagnosis.fit import Projection
-from flexarm.diagnosis.settings import FIT
+from flexarm.diagnosis.policy import FIT
 from flexarm.errors import InvalidParameter, NotConverged
 
 if TYPE_CHECKING:

@@ -47,9 +47,9 @@ from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
 from flexarm.diagnosis.fit import FIT_ERRORS
+from flexarm.diagnosis.policy import NOISE_MODEL
 from flexarm.diagnosis.problem import Problem, extrapolated
 from flexarm.diagnosis.residual_rows import greatest_by_signal, is_non_smooth
-from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.encoder import quantised
 from flexarm.measurement.smoothing import smooth

@@ -20,9 +20,9 @@ from flexarm.arm.parameter import Parameter, parameters, with_value
 from flexarm.arm.uncertainty import owner_of
 from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.diagnosis.candidates import weighed
+from flexarm.diagnosis.policy import FIT, NOISE_MODEL
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import is_non_smooth
-from flexarm.diagnosis.settings import FIT, NOISE_MODEL
 from flexarm.effects.base_tilt import BaseTilt
 from flexarm.effects.frame_registration import FrameRegistration
 from flexarm.effects.time_delay import TimeDelay

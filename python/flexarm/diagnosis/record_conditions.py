@@ -25,7 +25,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
-from flexarm.diagnosis.settings import NOISE_MODEL
+from flexarm.diagnosis.policy import NOISE_MODEL
 from flexarm.drive import Drive
 from flexarm.drive.lead_in import LEAD
 from flexarm.errors import InvalidParameter, NotConverged

@@ -34,8 +34,8 @@ from flexarm.diagnosis.candidate import Candidate, TransformedParameter, members
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import above_noise
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.residual_rows import is_non_smooth
-from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter, NotConverged
 
 

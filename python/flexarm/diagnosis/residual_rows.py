@@ -35,7 +35,7 @@ from flexarm.arm.parameter import neighbours, parameters
 from flexarm.arrays import Floats
 from flexarm.comparison.poses import pose_numbers, solve_poses
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
-from flexarm.diagnosis.settings import FIT, NOISE_MODEL
+from flexarm.diagnosis.policy import FIT, NOISE_MODEL
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.slopes import predict_slopes
 from flexarm.record import Signal

@@ -39,6 +39,7 @@ from flexarm.diagnosis.moves.families import families, without_idle_places
 from flexarm.diagnosis.moves.proposals import pairs, shapes, singles, spring_swap, triples, twin_spring
 from flexarm.diagnosis.moves.search_state import Move, SearchState
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.refinement import (
     converged,
     estimator_about,
@@ -47,7 +48,6 @@ from flexarm.diagnosis.refinement import (
     relinearised,
 )
 from flexarm.diagnosis.screening import Probed
-from flexarm.diagnosis.settings import FIT
 
 FORWARD: Mapping[str, Move] = {
     "singles": singles,

@@ -42,14 +42,13 @@ from flexarm.diagnosis.noise_model import (
     with_fine_step,
 )
 from flexarm.diagnosis.nuisance import counted_from_stamps, nuisance_model
-from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.diagnosis.policy import FIT, SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import greatest_by_signal
 from flexarm.diagnosis.result import Diagnosis, Verdict, adequate_if_predicted
 from flexarm.diagnosis.screening import probe
 from flexarm.diagnosis.selection import Choice, choose
 from flexarm.diagnosis.sensor_zeros import of_model, set_zeros, with_zeros, without_idle_zeros
-from flexarm.diagnosis.settings import FIT
 from flexarm.diagnosis.uncertainty import (
     Estimates,
     bound_sentence,

@@ -40,8 +40,8 @@ from flexarm.budget import allows
 from flexarm.diagnosis.candidate import Candidate, members_at
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.settings import FIT
 from flexarm.diagnosis.uncertainty import Estimates, estimates_at
 from flexarm.effects.tabulated_law import TabulatedLaw
 from flexarm.missing_law.gaussian import GaussianData, GaussianModel

@@ -13,8 +13,8 @@ from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.settings import FIT
 from flexarm.effects import BaseCompliance, ExternalVibration, JointCompliance, PayloadMass
 from flexarm.measurement import predict
 

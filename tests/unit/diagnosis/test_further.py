@@ -12,10 +12,9 @@ from flexarm.diagnosis.design.next_experiment import next_experiment
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.evidence import log_bayes_factor, log_likelihood_ratio
 from flexarm.diagnosis.nuisance import nuisance_model
-from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.diagnosis.policy import DESIGN, SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
-from flexarm.diagnosis.settings import DESIGN
 from flexarm.effects.joint_compliance import JointCompliance
 from flexarm.record import Clock, Frame
 

@@ -12,9 +12,9 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves import search_state as module
 from flexarm.diagnosis.moves.search_state import rescreened
 from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import LONGER, probe, screen
-from flexarm.diagnosis.settings import FIT
 from flexarm.effects import LinkMass, PayloadInertia
 from flexarm.errors import NotConverged
 from flexarm.measurement import predict

@@ -14,6 +14,7 @@ from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.refinement import (
     converged,
@@ -22,7 +23,6 @@ from flexarm.diagnosis.refinement import (
     objective,
     predicted_decrease,
 )
-from flexarm.diagnosis.settings import FIT
 from flexarm.diagnosis.uncertainty import estimates
 from flexarm.effects import LinkStiffness
 from flexarm.measurement import predict

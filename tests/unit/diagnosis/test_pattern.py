@@ -9,8 +9,8 @@ from arms import compliance, crane
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.nuisance import NuisanceModel, NuisanceParameter
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.refinement import hooke_jeeves
-from flexarm.diagnosis.settings import FIT
 from flexarm.effects import Backlash
 
 PRIOR = Prior(1e-4, 2e-3, 5e-4, "log", "rad", "made up")

@@ -10,9 +10,9 @@ from flexarm.diagnosis.design.experiment import from_record
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.naming import transient_remarks
 from flexarm.diagnosis.nuisance import nuisance_model
+from flexarm.diagnosis.policy import NOISE_MODEL
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.record_conditions import initial_condition_jacobian
-from flexarm.diagnosis.settings import NOISE_MODEL
 from flexarm.diagnosis.uncertainty import estimates
 from flexarm.drive.lead_in import LEAD
 from flexarm.record import Clock, Frame

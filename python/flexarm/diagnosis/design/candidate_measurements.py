@@ -18,7 +18,7 @@ from flexarm.arm.link import Beam
 from flexarm.arm.sensor import Sensor
 from flexarm.assembly import following_joints, rigid_values
 from flexarm.diagnosis.design.experiment import CONTROLLER, NOISE, Experiment
-from flexarm.diagnosis.settings import DESIGN
+from flexarm.diagnosis.policy import DESIGN
 from flexarm.errors import InvalidParameter
 from flexarm.record.table import CarriedPayload
 from flexarm.simulation import Simulation

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.arm.sensor import Sensor
-from flexarm.diagnosis.settings import DESIGN
+from flexarm.diagnosis.policy import DESIGN
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.measure import measure

@@ -29,10 +29,9 @@ from flexarm.diagnosis.design.experiment import Experiment, from_record
 from flexarm.diagnosis.design.separation import expected_log_bayes_factor
 from flexarm.diagnosis.fit import Fit, Projection
 from flexarm.diagnosis.nuisance import NuisanceParameter, nominal
-from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.diagnosis.policy import DESIGN, SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.selection import Choice
-from flexarm.diagnosis.settings import DESIGN
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.record import Record
 from flexarm.wording import listed, number, place_words

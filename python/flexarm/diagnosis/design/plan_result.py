@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from flexarm.arguments import TEXT, takes
 from flexarm.arm.consistency import missing
-from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.settings import DESIGN
+from flexarm.diagnosis.policy import DESIGN, SelectionPolicy
 from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
 from flexarm.pictures import Summarised

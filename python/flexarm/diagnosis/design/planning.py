@@ -33,8 +33,7 @@ from flexarm.diagnosis.design.separation import (
     shown_by,
     ties,
 )
-from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.diagnosis.settings import DESIGN
+from flexarm.diagnosis.policy import DESIGN, SelectionPolicy
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record

@@ -28,8 +28,8 @@ from flexarm.diagnosis.candidate import Candidate, nulls
 from flexarm.diagnosis.candidates import vibrations
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
+from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.screening import LONGER, Probed, linear_response
-from flexarm.diagnosis.settings import FIT
 from flexarm.errors import InvalidParameter
 from flexarm.named_effects import Place
 
