@@ -27,6 +27,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,18 +43,11 @@ from flexarm.validation.policy import POLICY
 from flexarm.wording import with_unit
 
 
-@dataclass(frozen=True, eq=False)
-class _Sightings:
+class _Sightings(NamedTuple):
     """Positions seen in a frame, NaN along axes that are not measured, and predicted in the base [m]."""
 
     measured: Floats
     predicted: Floats
-
-    def and_of(self, other: _Sightings) -> _Sightings:
-        """Return those of both."""
-        return _Sightings(
-            np.concatenate([self.measured, other.measured]), np.concatenate([self.predicted, other.predicted])
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +122,7 @@ def _sightings(simulated: SimulatedRecord, placement: Placement, frame: str) -> 
 
 def _apart(pair: Sequence[tuple[SimulatedRecord, _Sightings]], start: _Pose, frame: str) -> str | None:
     """Return how far two records have a frame apart, in words; None if one pose serves both."""
-    both = pair[0][1].and_of(pair[1][1])
+    both = _Sightings(*map(np.concatenate, zip(pair[0][1], pair[1][1], strict=True)))
     shared = start.fitted(both)
     own = [shared.fitted(sightings) for _, sightings in pair]
     moved = own[0].seen(both.predicted) - own[1].seen(both.predicted)
@@ -137,14 +131,8 @@ def _apart(pair: Sequence[tuple[SimulatedRecord, _Sightings]], start: _Pose, fra
     stated = [simulated.record.frames[frame] for simulated, _ in pair]
     sigma = 0.0 if any(f.unknown for f in stated) else max(f.translation + size * f.rotation for f in stated)
     together = shared.rms(both)
-    alone = float(
-        np.sqrt(
-            np.average(
-                [p.rms(s) ** 2 for p, (_, s) in zip(own, pair, strict=True)],
-                weights=[len(s.measured) for _, s in pair],
-            )
-        )
-    )
+    squares = [pose.rms(sightings) ** 2 for pose, (_, sightings) in zip(own, pair, strict=True)]
+    alone = float(np.sqrt(np.average(squares, weights=[len(each.measured) for _, each in pair])))
     least = max(POLICY.min_shift * size, POLICY.min_sigmas * sigma)
     if shift <= least or together <= POLICY.unusual_ratio * alone:
         return None
@@ -235,9 +223,8 @@ def _moved(
     steps = np.array([gaps[other][key] - gaps[one][key] for key in keys])  # eq. (3)
     middle = float(np.median(steps))
     sigma = float(np.max(record.frames[frame].translation))
-    if abs(middle) <= POLICY.min_sigmas * max(sigma, 1e-6) or np.ptp(steps) > POLICY.shift_agreement * abs(
-        middle
-    ):
+    differ = np.ptp(steps) > POLICY.shift_agreement * abs(middle)
+    if differ or abs(middle) <= POLICY.min_sigmas * max(sigma, 1e-6):
         return []
     return [
         f"{one} and {other} contradict each other: {', '.join(key[1] for key in keys)} lie {middle:.3g} m "

@@ -109,9 +109,8 @@ def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
         nearest = deviation_from_parabolas(samples[rows][:, None])[:, 0]
         usual = 2 * POLICY.spike_spread * float(np.median(nearest))
         least = POLICY.rounding_share * float(np.ptp(samples[rows]))
-        limit = max(
-            POLICY.drive_spike_noises * noise, usual, least, POLICY.spike_counts * quantisation_step(samples)
-        )
+        noises = 2 * POLICY.spike_noises * noise  # parabolas have 4.4 times the noise of a sample
+        limit = max(noises, usual, least, POLICY.spike_counts * quantisation_step(samples))
         far = np.flatnonzero(nearest > limit)
         around = _neighbouring_third_differences(samples[rows], far)
         found[rows[far]] = nearest[far] > POLICY.edge_ratio * around
@@ -143,7 +142,7 @@ def predicted_vibration(simulated: SimulatedRecord, signal: Signal, placement: P
     return np.asarray(greatest[np.searchsorted(grid, instants).clip(0, len(grid) - 1)])
 
 
-def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> NDArray[np.bool_]:
+def spikes(residual: Floats, noise: Floats, ringing: Floats) -> NDArray[np.bool_]:
     """Return True at rows of a residual, measured minus predicted (n, channels), that are outliers, shape
     (n,).
 
@@ -158,7 +157,7 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats | float = 0.0) -> ND
     far = np.flatnonzero(np.any(size > least, axis=1))
     limit = np.maximum(least, NEARBY * nearby(size, far))
     limit[(far < 2) | (far >= len(rows) - 2)] *= POLICY.edge_ratio
-    vibration = POLICY.unusual_ratio * np.broadcast_to(ringing, residual.shape)[rows]
+    vibration = POLICY.unusual_ratio * ringing[rows]
     rings = vibration > least
     missed = size[rings] / vibration[rings]  # share of the predicted vibration
     phase = min(NEARBY * float(np.quantile(missed, MOST_OF_THEM)), 1.0) if len(missed) else 1.0

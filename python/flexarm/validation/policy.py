@@ -106,10 +106,5 @@ class ValidationPolicy:
         """Return log odds from which on only hypotheses near the best one are tried [nats]."""
         return 3 * self.clear_log_odds
 
-    @property
-    def drive_spike_noises(self) -> float:
-        """Return the least distance of an outlier of a drive [noise]; parabolas have 4.4 times its noise."""
-        return 2 * self.spike_noises
-
 
 POLICY = ValidationPolicy()

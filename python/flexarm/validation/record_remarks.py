@@ -63,9 +63,8 @@ def remarks_on_poses(records: Mapping[str, Record]) -> Iterator[str]:
             continue
         for pose in dict.fromkeys(map(str, signal.pose)):
             rows = signal.values[(signal.pose == pose) & signal.valid]
-            if signal.quantity == "orientation" and len(
-                rows
-            ):  # a quaternion and its negative are one attitude
+            # a quaternion and its negative are one attitude
+            if signal.quantity == "orientation" and len(rows):
                 rows = rows * np.where(rows @ rows[0] < 0, -1.0, 1.0)[:, None]
             scatter = float(np.max(np.std(rows, axis=0, ddof=1))) if len(rows) > 1 else 0.0
             if scatter > POLICY.min_noises * signal.noise_std:

@@ -14,8 +14,8 @@ the model leaves it by little.
 
 A frozen channel repeats a value. p counts in (1) only while a drive moves, as a model without damping may
 ring on at rest. Counts of a coarse grid repeat while the arm moves slowly, so that p must move by
-`plateau_steps` of theirs. Stiction holds a joint but not its noise. A noisy plateau is frozen only for places
-and angles, and only where p moves by `noisy_plateau_motion`.
+`plateau_steps` of theirs; channels of one sensor have one grid. Stiction holds a joint but not its noise. A
+noisy plateau is frozen only for places and angles, and only where p moves by `noisy_plateau_motion`.
 """
 
 from __future__ import annotations
@@ -63,17 +63,6 @@ def moved(p: Floats, driven: Rows, run: Run) -> float:
     return float(np.ptp(p[part][driven[part]])) if driven[part].any() else 0.0
 
 
-def stays_within(y: Floats, width: float, rows: int) -> Rows:
-    """Return True at each row from which on `rows` rows stay within `width`; shape (n - rows + 1,)."""
-    from scipy.ndimage import maximum_filter1d, minimum_filter1d
-
-    if rows > len(y):
-        return np.zeros(0, dtype=bool)
-    high, low = (each(y, rows, origin=-(rows // 2)) for each in (maximum_filter1d, minimum_filter1d))
-    found: Rows = (high - low <= width)[: len(y) - rows + 1]
-    return found
-
-
 def repeats(y: Floats) -> list[Run]:
     """Return the longest runs of rows of one value."""
     ends = np.flatnonzero(np.diff(y) != 0) + 1
@@ -84,9 +73,14 @@ def repeats(y: Floats) -> list[Run]:
 
 def constant_runs(y: Floats, width: float, fewest: int = POLICY.min_plateau_rows) -> list[Run]:
     """Return the longest runs of at least `fewest` rows that stay within `width`, from the left."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
     if width == 0:
         return repeats(y)
-    begins = np.flatnonzero(stays_within(y, width, fewest))
+    if fewest > len(y):
+        return []
+    high, low = (each(y, fewest, origin=-(fewest // 2)) for each in (maximum_filter1d, minimum_filter1d))
+    begins = np.flatnonzero((high - low <= width)[: len(y) - fewest + 1])
     found: list[Run] = []
     k = 0
     while k < len(begins):
@@ -116,7 +110,8 @@ def find_saturation(channel: Channel) -> tuple[ChannelFinding, Rows] | None:
     noise = channel.signal.noise_std or 0.0
     found = []
     for side in (1.0, -1.0):
-        cut = _cut(side * y, side * p, noise, channel.model_error, _steps(channel))
+        steps = POLICY.plateau_steps * channel.signal.grid_step
+        cut = _cut(side * y, side * p, noise, channel.model_error, steps)
         if cut is not None:
             found.append((side, *cut))
     if not found:
@@ -195,21 +190,14 @@ def _rms_of(rest: Channel) -> float:
     return rest.fit_at_gain(1.0).rms if len(rest.rows) else 0.0
 
 
-def _steps(channel: Channel) -> float:
-    """Return the least motion of a prediction within repeated counts; 0 for readings on no grid.
-
-    Channels of one sensor have one grid, as one that shows a single count does not reveal it.
-    """
-    return POLICY.plateau_steps * channel.signal.grid_step
-
-
 def find_frozen(channel: Channel) -> tuple[Rows, str] | None:
     """Return the rows where the channel repeats a value while the prediction moves, and a sentence."""
     noise = channel.signal.noise_std or 0.0
     y, p = channel.measured, channel.predicted
     at = np.zeros(len(y), dtype=bool)
     rounding = 1e-9 * float(np.nanmax(np.abs(channel.signal.values)))
-    for run in plateaus(y, p, channel.driven, noise, max(rounding, _steps(channel))):
+    least = max(rounding, POLICY.plateau_steps * channel.signal.grid_step)  # no step: readings on no grid
+    for run in plateaus(y, p, channel.driven, noise, least):
         part = slice(*run)
         far = (
             moved(p, channel.driven, run) >= POLICY.noisy_plateau_motion * float(np.std(p))

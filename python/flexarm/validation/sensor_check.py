@@ -191,8 +191,6 @@ def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str,
 
     Raise InvalidParameter if there are none, or something else is among them.
     """
-    from flexarm.record import Record
-
     given: Any = records
     if isinstance(given, Mapping):
         named = dict(given)
