@@ -1,4 +1,4 @@
-"""Consistency of clocks: clocks that were set anew, signals that come late.
+"""Consistency of clocks: clocks that step or were set anew, signals that come late.
 
 The delay of a clock in one record follows from the regression of `validation.channel`,
 
@@ -8,6 +8,14 @@ v is minus the rate of the prediction and e the gap, both without what the other
 number of `independent_samples`. Two records contradict each other beyond `min_clock_step` and `min_sigmas`.
 A signal is late, by steps (1) until they rest, if its gap without its mean falls to less than one
 `unusual_ratio`, and the delay is beyond both and the stated sigma of its clock.
+
+The delay of a clock that steps by d at the time T adds a term to the model of `validation.channel`, with
+Heaviside's step H,
+
+    y = s p + sum a c - d H(t - T) dp/dt + e.                                                          (2)
+
+A step is reported if it explains `predominant_share` of the squares of e for one channel of the clock. A
+missing effect acts before T as after it.
 """
 
 from __future__ import annotations
@@ -22,7 +30,7 @@ from flexarm.comparison.alignment_parameters import drive_clock
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.encoder import told
 from flexarm.record import Signal
-from flexarm.validation.channel import QUASI_STATIC, Channel
+from flexarm.validation.channel import QUASI_STATIC, Channel, orthonormal_columns
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
 from flexarm.wording import with_unit
@@ -118,3 +126,49 @@ def _lateness(simulated: SimulatedRecord, placement: Placement, signal: Signal) 
             f"shifted, its gap is {left} rms in place of {was}; give it a clock of its own "
             'in [clocks], "unknown" if nobody knows how late it is'
         )
+
+
+def remarks_on_clocks(
+    simulations: Mapping[str, SimulatedRecord], seen: Mapping[str, Sequence[Channel]]
+) -> list[str]:
+    """Report steps of the delay of every clock in every record, of which `seen` are the channels."""
+    found = []
+    for name, simulated in simulations.items():
+        if simulated.record.kind == "static":
+            continue
+        best: dict[str, tuple[float, float, float, str]] = {}
+        for channel in seen[name]:
+            clock = channel.signal.clock
+            if channel.signal.quantity in QUASI_STATIC and len(channel.rows) > 30:
+                best[clock] = max(best.get(clock, (0.0, 0.0, 0.0, "")), _step(channel))
+        found += [
+            f"{name}: the clock {clock} jumps by {1e3 * step:.3g} ms near t = {at:.4g} s, as {label} shows"
+            for clock, (share, step, at, label) in best.items()
+            if share > POLICY.predominant_share and abs(step) > POLICY.min_clock_step
+        ]
+    return found
+
+
+def _step(channel: Channel) -> tuple[float, float, float, str]:
+    """Return the share of squares that a delay step explains, the step [s], its time, the channel."""
+    rate = channel.regressors[:, -1]  # of a place or angle the last column is -dp/dt
+    Q = orthonormal_columns(np.column_stack([channel.predicted, channel.regressors]))
+    e = channel.measured - Q @ (Q.T @ channel.measured)
+    e -= Q @ (Q.T @ e)
+    whole = float(e @ e) or 1.0
+    instants = np.linspace(channel.time[0], channel.time[-1], POLICY.clock_step_times + 2)[2:-2]
+    first = np.searchsorted(channel.time, instants, side="right")
+
+    def after(rows: Floats) -> Floats:
+        """Return the sums of the rows after each instant."""
+        sums = np.cumsum(rows, axis=0)
+        return np.asarray(sums[-1] - sums[first - 1])
+
+    squares = after(rate**2)
+    size = squares - np.sum(after(rate[:, None] * Q) ** 2, axis=1)  # of the step that Q does not explain
+    size[size <= 1e-12 * squares] = np.inf
+    along = after(rate * e)
+    step = along / size
+    share = step * along / whole
+    k = int(np.argmax(share))
+    return float(share[k]), float(step[k]), float(instants[k]), channel.label

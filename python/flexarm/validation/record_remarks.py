@@ -1,16 +1,8 @@
-"""Remarks on records: clocks and stamps, few poses, signals not compared, missing channels, plausibility.
+"""Remarks on records: stamps, few poses, signals not compared, missing channels, plausibility.
 
 The gain does not show a channel that keeps an absurd distance from its prediction but follows its motion.
 Signals with stamps in another unit have hardly a reading to compare. No sensor can be judged with such
 values.
-
-The delay of a clock that steps by d at the time T adds a term to the model of `validation.channel`, with
-Heaviside's step H,
-
-    y = s p + sum a c - d H(t - T) dp/dt + e.                                                          (1)
-
-A step is reported if it explains `predominant_share` of the squares of e for one channel of the clock. A
-missing effect acts before T as after it.
 
 A pause is an interval above `pause_ratio` usual ones. Drop-outs are reported from `lost_share` of the rows
 on. The stated noise of angles is compared with `flexarm.measurement.drive_noise`.
@@ -22,14 +14,13 @@ A simulation that begins at rest with a moving drive rings, which the arm did no
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from itertools import compress
 
 import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.sizes import implausible_sizes
-from flexarm.arrays import Floats
 from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
 from flexarm.comparison.simulated_record import SimulatedRecord
@@ -38,7 +29,6 @@ from flexarm.record import Record, Signal
 from flexarm.record.compatibility import implausible_values
 from flexarm.record.plausibility import INPUTS, unit_problems
 from flexarm.record.time_unit import mismatched_durations
-from flexarm.validation.channel import QUASI_STATIC, Channel, orthonormal_columns
 from flexarm.validation.policy import POLICY
 from flexarm.wording import listed
 
@@ -118,52 +108,6 @@ def drop_missing_channels(name: str, record: Record) -> tuple[Record, list[str]]
             lost = ", ".join(axis for axis, seen in zip(signal.axes, there, strict=True) if not seen)
             notes.append(f"{name}: {signal.name} holds no value along {lost}; the rest of it is compared")
     return record.replace(signals=kept) if notes else record, notes
-
-
-def remarks_on_clocks(
-    simulations: Mapping[str, SimulatedRecord], seen: Mapping[str, Sequence[Channel]]
-) -> list[str]:
-    """Report steps of the delay of every clock in every record, of which `seen` are the channels."""
-    found = []
-    for name, simulated in simulations.items():
-        if simulated.record.kind == "static":
-            continue
-        best: dict[str, tuple[float, float, float, str]] = {}
-        for channel in seen[name]:
-            clock = channel.signal.clock
-            if channel.signal.quantity in QUASI_STATIC and len(channel.rows) > 30:
-                best[clock] = max(best.get(clock, (0.0, 0.0, 0.0, "")), _step(channel))
-        found += [
-            f"{name}: the clock {clock} jumps by {1e3 * step:.3g} ms near t = {at:.4g} s, as {label} shows"
-            for clock, (share, step, at, label) in best.items()
-            if share > POLICY.predominant_share and abs(step) > POLICY.min_clock_step
-        ]
-    return found
-
-
-def _step(channel: Channel) -> tuple[float, float, float, str]:
-    """Return the share of squares that a delay step explains, the step [s], its time, the channel."""
-    rate = channel.regressors[:, -1]  # of a place or angle the last column is -dp/dt
-    Q = orthonormal_columns(np.column_stack([channel.predicted, channel.regressors]))
-    e = channel.measured - Q @ (Q.T @ channel.measured)
-    e -= Q @ (Q.T @ e)
-    whole = float(e @ e) or 1.0
-    instants = np.linspace(channel.time[0], channel.time[-1], POLICY.clock_step_times + 2)[2:-2]
-    first = np.searchsorted(channel.time, instants, side="right")
-
-    def after(rows: Floats) -> Floats:
-        """Return the sums of the rows after each instant."""
-        sums = np.cumsum(rows, axis=0)
-        return np.asarray(sums[-1] - sums[first - 1])
-
-    squares = after(rate**2)
-    size = squares - np.sum(after(rate[:, None] * Q) ** 2, axis=1)  # of the step that Q does not explain
-    size[size <= 1e-12 * squares] = np.inf
-    along = after(rate * e)
-    step = along / size
-    share = step * along / whole
-    k = int(np.argmax(share))
-    return float(share[k]), float(step[k]), float(instants[k]), channel.label
 
 
 def remarks_on_stamps(records: Mapping[str, Record]) -> list[str]:

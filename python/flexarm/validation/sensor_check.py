@@ -27,7 +27,7 @@ from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
 from flexarm.simulation import Progress
 from flexarm.validation.channel import Channel, channels
-from flexarm.validation.clocks import remarks_on_late_signals, remarks_on_shared_clocks
+from flexarm.validation.clocks import remarks_on_clocks, remarks_on_late_signals, remarks_on_shared_clocks
 from flexarm.validation.drive_faults import (
     apply_known_fault,
     exchanged_drives,
@@ -45,7 +45,6 @@ from flexarm.validation.policy import POLICY
 from flexarm.validation.record_remarks import (
     drop_missing_channels,
     plausibility_doubts,
-    remarks_on_clocks,
     remarks_on_few_poses,
     remarks_on_poses,
     remarks_on_skipped,
