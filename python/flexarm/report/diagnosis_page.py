@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from difflib import unified_diff
 from typing import TYPE_CHECKING, Any
 
@@ -48,10 +48,14 @@ Row = dict[str, Any]
 
 def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -> str:
     """Return the page as HTML, with the figures as they were drawn and the provenance of `report.json`."""
-    filters = {
-        "place": lambda each: place_words(each["name"], each["at"]),
+    filters: dict[str, Callable[..., Any]] = {
         "breakable": lambda key: Markup("<wbr>").join(re.split(r"(?<=[._/])", key)),
+        "minus": _minus,
+        "number": number,
+        "signed": signed,
+        "with_unit": with_unit,
     }
+    rotations = d.located.rotations if d.located is not None else None
     return filled(
         "diagnosis.html.j2",
         filters,
@@ -66,64 +70,29 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         # of a record whose name does not say so
         role={name: "" if "held" in name else "held out" for name in d.held_out}
         | dict.fromkeys(set(d.training) - set(d.held_out), "training"),
-        where=list(_where_rows(d)),
         follows=[
             {"signal": signal, "state": found.best, "share": f"{100 * found.share:.0f} %"}
             for signal, found in (d.located.dependence if d.located is not None else {}).items()
             if found.relevant
         ],
-        rotations=list(_rotation_rows(d)),
+        rotations=rotations.joints if rotations is not None and len(rotations.joints) > 1 else (),
         effects=[_effect(d, each) for each in d.effects],
-        refined=list(_refined_rows(d)),
+        refined=[each for each in d.refinements if each.determined or each.changed],
         undetermined=[
             each.refined.parameter for each in d.refinements if not (each.determined or each.changed)
         ],
         nuisances=list(_nuisance_rows(d)),
-        rejected=_rejected_rows(d),
+        rejected=sorted(d.rejected, key=lambda each: -each.log_bayes_factor)[:12],
         diff=list(_diff(d)),
         channels=list(channel_rows(d.statistics)),
-        correlations=list(correlation_rows(d.statistics)),
-        motions=list(motion_rows(d.statistics)),
-        priors=list(prior_rows(d.statistics)),
-        unseen=unseen_sentence(d.statistics),
+        unseen=listed([effect_words(name) for name in d.statistics.unseen]),
         laws=law_rows(d),
         drawn=drawings,
         fits_too=FITS_TOO,
+        place_words=place_words,
+        scale=scale,
         provenance=report["provenance"],
     )
-
-
-def _where_rows(d: Diagnosis) -> Iterator[Row]:
-    """Cells of the gap that exceed the noise, largest excess first as they were found."""
-    for cell in d.where:
-        unit = d.unit_of(cell["signal"])
-        factor, shown = scale([cell["rms"]], unit)
-        noise = cell["noise_rms"]
-        low, high = cell["band_hz"]
-        yield {
-            **cell,
-            "rms": f"{number(factor * cell['rms'])} {shown}",
-            "noise": "–" if noise is None else f"{number(factor * noise)} {shown}",
-            "times": "–" if not noise else number(cell["rms"] / noise, 2),
-            "band": "all" if high is None else f"{low or 0:.3g} to {high:.3g} Hz",
-        }
-
-
-def _rotation_rows(d: Diagnosis) -> Iterator[Row]:
-    """Rotations of several joints that the gap of positions is like."""
-    found = d.located.rotations if d.located is not None else None
-    if found is None or len(found.joints) < 2:
-        return
-    for each in found.joints:
-        named = each.relevant
-        yield {
-            "joint": each.joint,
-            "rms": with_unit(each.rms, each.unit),
-            "alone": f"{100 * each.alone:.0f} %",
-            "share": f"{100 * each.share:.0f} %",
-            "follows": f"{each.dependence.best} ({100 * each.dependence.share:.0f} %)" if named else "–",
-            "hint": each.hint if named else "",
-        }
 
 
 def _effect(d: Diagnosis, effect: NamedEffect) -> Row:
@@ -158,21 +127,6 @@ def _parameter(estimate: Estimate) -> Row:
     return {"name": estimate.name, "value": value, "low": low, "high": high, "unit": unit or "–"}
 
 
-def _refined_rows(d: Diagnosis) -> Iterator[Row]:
-    """Nominal values that the data determine: where they were, and by how much they moved."""
-    for each in d.refinements:
-        if not (each.determined or each.changed):
-            continue
-        refined, (moved, std, unit) = each.refined, each.texts
-        yield {
-            "parameter": refined.parameter,
-            "nominal": with_unit(refined.nominal, refined.unit, 4),
-            "moved": f"{_minus(moved)} {unit}".rstrip(),
-            "std": f"{std} {unit}".rstrip(),
-            "pull": "–" if each.pull is None else _minus(signed(each.pull, 1)),
-        }
-
-
 def _minus(text: str) -> str:
     return text.replace("-", "−")
 
@@ -183,19 +137,6 @@ def _nuisance_rows(d: Diagnosis) -> Iterator[Row]:
         for each in nuisance.parameters:
             if each.name not in nuisance.undetermined:
                 yield {"title": title, **_parameter(each)}
-
-
-def _rejected_rows(d: Diagnosis) -> list[Row]:
-    """Return the nearest of the candidates that were not taken."""
-    best = sorted(d.rejected, key=lambda each: -each.log_bayes_factor)[:12]
-    return [
-        {
-            "title": place_words(each.name, each.at),
-            "evidence": _minus(f"{each.log_bayes_factor:,.1f}"),
-            "why": each.why,
-        }
-        for each in best
-    ]
 
 
 def _diff(d: Diagnosis) -> Iterator[Row]:
@@ -220,34 +161,3 @@ def channel_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
             "discrepancy": number(each.discrepancy, 2) if each.discrepancy > 0 else "none",
             "length": "–" if each.length is None else f"{number(each.length, 2)} s",
         }
-
-
-def correlation_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
-    """Return a row for each pair of correlated parameters."""
-    for each in statistics.correlations:
-        one, other = each.parameters
-        yield {"one": one, "other": other, "value": _minus(signed(each.value, 3))}
-
-
-def motion_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
-    """Return a row for each driven joint of a record: its range and rate."""
-    for each in statistics.motions:
-        factor, unit = scale([each.lowest, each.highest], each.unit)
-        low, high = (_minus(number(factor * end, 3)) for end in (each.lowest, each.highest))
-        rate = "–" if each.rms_rate is None else f"{number(each.rms_rate, 3)} {each.unit}/s"
-        yield {"record": each.record, "joint": each.joint, "range": f"{low} to {high} {unit}", "rate": rate}
-
-
-def prior_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
-    """Return a row for each parameter of an effect: what was held plausible of it beforehand."""
-    for each in statistics.priors:
-        typical = "–" if each.uniform else _minus(with_unit(each.typical, each.unit))
-        low, high = (_minus(with_unit(end, each.unit)) for end in (each.low, each.high))
-        title = f"{each.parameter} of {place_words(each.effect, each.at)}"
-        yield {"parameter": title, "low": low, "typical": typical, "high": high, "source": each.source}
-
-
-def unseen_sentence(statistics: FitStatistics) -> str:
-    """Return a sentence on effects that could not have been named; empty if there are none."""
-    names = [effect_words(name) for name in statistics.unseen]
-    return f"These signals and motions could not have shown: {listed(names)}." if names else ""
