@@ -10,7 +10,7 @@ import numpy as np
 from flexarm.arm.effect import effect_class
 from flexarm.errors import InvalidParameter
 from flexarm.report.files import BOTTOM, legend_below, sheet
-from flexarm.report.gap_figures import AFTER, BEFORE, LOOKS, NOISE, zero_of
+from flexarm.report.gap_figures import AFTER, LOOKS, NOISE, zero_of
 from flexarm.wording import scale
 
 if TYPE_CHECKING:
@@ -161,25 +161,22 @@ def draw_of_effect(ax: Axes, d: Diagnosis, effect: NamedEffect) -> None:
     ax.set_title(f"{signal}: measured − model")
 
 
-def gap_figure(before: Localisation, after: Localisation | None = None, signal: str | None = None) -> Figure:
+def gap_figure(located: Localisation, signal: str | None = None) -> Figure:
     """Return the gap of a signal along one direction against the states of a joint and time.
 
-    That of another model, of the same records, is drawn over it. The default signal holds most of the squared
-    gap before, over the noise; the direction has the greatest gap; the joint's rotation holds most of the
-    gap, or it is the first that moves. Raise InvalidParameter if there is no such signal.
+    The default signal holds most of the squared gap, over the noise; the direction has the greatest gap; the
+    joint's rotation holds most of the gap, or it is the first that moves. Raise InvalidParameter if there is
+    no such signal.
     """
     import matplotlib.pyplot as plt
 
-    if not before.gaps:
+    if not located.gaps:
         raise InvalidParameter("holds no gap to draw", where="located")
-    name = signal or max(before.gaps, key=lambda name: float(np.sum(before.gaps[name].whitened ** 2)))
-    for model in filter(None, (before, after)):
-        if name not in model.gaps:
-            raise InvalidParameter(f"there is no signal {name!r}; there are {', '.join(model.gaps)}")
-    gaps = [(before.gaps[name], BEFORE, "before")] if after else [(before.gaps[name], AFTER, "gap")]
-    rows, direction = before.gaps[name], before.gaps[name].largest_direction
-    gaps += [(after.gaps[name], AFTER, "after")] if after and direction in after.gaps[name].directions else []
-    joint = turned_most(before, rows)
+    name = signal or max(located.gaps, key=lambda name: float(np.sum(located.gaps[name].whitened ** 2)))
+    if name not in located.gaps:
+        raise InvalidParameter(f"there is no signal {name!r}; there are {', '.join(located.gaps)}")
+    rows, direction = located.gaps[name], located.gaps[name].largest_direction
+    joint = turned_most(located, rows)
     kinds, records = states_drawn([joint]), rows.labels[:4] if joint.moves else ()
     figure = plt.figure(figsize=(9.5, 2.6 * (1 + len(records))), layout="constrained")
     grid = figure.add_gridspec(1 + len(records), 6)
@@ -187,17 +184,14 @@ def gap_figure(before: Localisation, after: Localisation | None = None, signal: 
     first = [figure.add_subplot(grid[0, width * k : width * (k + 1)]) for k in range(len(kinds))]
     below = [figure.add_subplot(grid[1 + k, :]) for k in range(len(records))]
     factor, unit = scale([float(np.abs(rows.directions[direction]).max())], rows.unit)
+    values = factor * rows.directions[direction]
     for ax, kind in zip(first, kinds, strict=True):
-        for gap, colour, label in gaps:
-            states = getattr(of_joint(gap.states, joint.joint), kind)
-            ax.plot(states, factor * gap.directions[direction], ".", ms=2.5, color=colour, label=label)
+        ax.plot(getattr(joint, kind), values, ".", ms=2.5, color=AFTER, label="gap")
         ax.set_xlabel(f"{kind} of {joint.joint} [{joint.units[kind]}]", fontsize="small")
     for k, (ax, record) in enumerate(zip(below, records, strict=True)):
-        zero = zero_of(rows.time[rows.record == k])
-        for gap, colour, label in gaps:
-            inside = gap.record == gap.labels.index(record)
-            values = factor * gap.directions[direction][inside]
-            ax.plot(gap.time[inside] - zero, values, lw=0.8, color=colour, label=label)
+        inside = rows.record == k
+        zero = zero_of(rows.time[inside])
+        ax.plot(rows.time[inside] - zero, values[inside], lw=0.8, color=AFTER, label="gap")
         of = f" of {record}" if len(rows.labels) > 1 else ""
         ax.set_xlabel(f"time{of}{f' after {zero:.0f} s' if zero else ''} [s]", fontsize="small")
     sigma = factor * float(np.sqrt(np.mean(rows.noise[direction] ** 2)))

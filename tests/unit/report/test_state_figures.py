@@ -14,7 +14,6 @@ from flexarm.report.diagnosis import _figures
 from flexarm.report.files import style
 from flexarm.report.state_figures import (
     against_states,
-    gap_figure,
     located_sides,
     most_repaired,
     rotations,
@@ -61,7 +60,6 @@ def test_a_model_without_the_direction_is_left_out_of_the_picture():
     with style():
         figure = against_states(replace(d, located_after=turned))
         assert len(figure.axes[2].get_lines()) == 1
-        assert "tip, tangential" in gap_figure(d.located, turned).get_suptitle()
 
 
 def test_several_joints_are_shown_with_the_rotation_of_each(bent_elbow):
