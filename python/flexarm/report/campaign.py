@@ -35,11 +35,7 @@ def page(findings: Findings, record: Mapping[str, Any]) -> str:
         indices=[_index_rows(findings, each) for each in findings.targets if each.indices is not None],
         total=_has_total(findings.targets),
         costs=[_cost_rows(findings, each) for each in findings.costs],
-        yields=[
-            (each.name, with_unit(each.tolerance, each.unit), *_shares(each.share, each.low90, each.high90))
-            for each in findings.yields
-        ],
-        trends=[_trend_row(each, findings.time) for each in findings.trends],
+        change=_change,
         drawn=drawn(_figures(findings)),
         with_unit=with_unit,
     )
@@ -53,7 +49,7 @@ def _headline(f: Findings) -> Iterator[str]:
 def sentences(f: Findings) -> Iterator[str]:
     """Yield what a campaign found, the yield first."""
     for each in f.yields:
-        share, low, high = _shares(each.share, each.low90, each.high90)
+        share, low, high = (f"{100 * part:.1f} %" for part in (each.share, each.low90, each.high90))
         tolerance = with_unit(each.tolerance, each.unit)
         yield f"In {share} of the runs ({low} to {high}) {each.name} is within {tolerance}."
     for cost in f.costs:
@@ -85,10 +81,6 @@ def _change(each: Trend, time: str) -> str:
     factor, unit = scale([each.slope, each.std], each.unit)
     per = f"{unit} a {time}" if time == "year" else f"{unit} per {time}"
     return f"{number(abs(factor * each.slope))} ± {number(factor * each.std, 2)} {per}"
-
-
-def _shares(*shares: float) -> list[str]:
-    return [f"{100 * share:.1f} %" for share in shares]
 
 
 def _target_row(target: Target) -> dict[str, Any]:
@@ -138,17 +130,6 @@ def _index_rows(f: Findings, target: Target) -> dict[str, Any]:
         for k in order
     ]
     return {"name": target.name, "rows": rows, "sum": f"{found.first.sum():.2f}"}
-
-
-def _trend_row(each: Trend, time: str) -> tuple[str, str, str, str, int]:
-    sign = "+" if each.slope > 0 else "−"
-    return (
-        each.name,
-        with_unit(each.mean, each.unit),
-        sign + _change(each, time),
-        f"{each.score:+.1f}",
-        len(each.value),
-    )
 
 
 def _figures(f: Findings) -> Iterator[tuple[str, str, str, Figure | None]]:

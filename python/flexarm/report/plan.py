@@ -44,7 +44,8 @@ def page(plan: Plan, figures: list[Drawing]) -> str:
         effects=list(_effect_rows(plan)),
         groups=group_words(plan),
         additions=plan.additions(),
-        ties=list(_tie_rows(plan)),
+        place_words=place_words,
+        number=number,
         drawn={drawing.name: drawing for drawing in figures},
     )
 
@@ -115,18 +116,6 @@ def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
             "rivals": rivals,
             "more": more,
             "shown": ", ".join(rivals[:3]) + f" and {more} more" if more else ", ".join(rivals),
-        }
-
-
-def _tie_rows(plan: Plan) -> Iterator[dict[str, Any]]:
-    for tie in plan.ties:
-        best = tie.cheapest
-        yield {
-            "pair": f"{place_words(*tie.one)} | {place_words(*tie.other)}",
-            "before": number(tie.log_bayes_factor, 2),
-            "addition": best.addition if best else "nothing on the menu",
-            "minutes": f"{best.minutes:g}" if best else "–",
-            "after": number(best.log_bayes_factor) if best else "–",
         }
 
 
