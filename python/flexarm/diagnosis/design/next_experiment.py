@@ -63,8 +63,8 @@ def gains(
     logged = replace(run, sensors=(*run.sensors, *sensors))
 
     @cache
-    def rows_of(run: Experiment) -> _Next | None:
-        return _Next.of(run, there, choice, problem, pairs)
+    def rows_of(run: Experiment) -> _Rows | None:
+        return _Rows.of(run, there, choice, problem, pairs)
 
     for addition in additions:
         own = {*(s.name for s in run.sensors), *(s.name for s in addition.sensors)}
@@ -81,14 +81,8 @@ class _Rows:
     jacobian: Floats
     apart: list[Floats]
     moves: list[Floats]
-
-
-@dataclass(frozen=True, eq=False)
-class _Next:
-    """Rows 1 of (1), and which signal each belongs to."""
-
-    rows: _Rows
-    signals: list[str]
+    signals: Sequence[str] = ()
+    """Which one each of rows 1 belongs to."""
 
     @classmethod
     def of(
@@ -98,8 +92,8 @@ class _Next:
         choice: Choice,
         problem: Problem,
         pairs: Sequence[tuple[int, AlternativeModel]],
-    ) -> _Next | None:
-        """Return the rows of a run; None if it cannot be simulated."""
+    ) -> _Rows | None:
+        """Return rows 1, of a run; None if it cannot be simulated."""
         step = problem.step
         try:
             record = run.record(arm, step, problem.alpha)
@@ -119,7 +113,7 @@ class _Next:
         except (InvalidParameter, NotConverged):
             return None
         signals = [row.signal for row, where in there.channels() for _ in range(where.stop - where.start)]
-        return cls(_Rows(each, jacobian, apart, moves), signals)
+        return cls(each, jacobian, apart, moves, signals)
 
 
 def _model_of(arm: Arm, choice: Choice, fit: Fit, members: Sequence[Candidate] | None = None) -> Arm:
@@ -145,11 +139,10 @@ def _derivatives(problem: Problem, arm: Arm, choice: Choice, fit: Fit, here: Flo
     return np.stack(columns, axis=1) if columns else np.empty((len(here), 0))
 
 
-def _expected(present: _Rows, found: _Next, k: int, signals: Iterable[str]) -> float:
+def _expected(present: _Rows, new: _Rows, k: int, signals: Iterable[str]) -> float:
     """Return E ln B of pair k given the signals of an addition."""
     wanted = set(signals)
-    kept = np.array([signal in wanted for signal in found.signals])
-    new = found.rows
+    kept = np.array([signal in wanted for signal in new.signals])
     more = len(new.nuisance) - len(present.nuisance)
     before = np.column_stack([present.jacobian, np.zeros((len(present.jacobian), more)), present.moves[k]])
     after = np.column_stack([new.jacobian, new.moves[k]])[kept]

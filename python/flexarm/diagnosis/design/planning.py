@@ -154,16 +154,14 @@ def plan(
     tell(0.02, "simulating")
     additions = menu(arm, runs, runs[0].run(arm, step, alpha))
     lab = VirtualExperiments(arm, additions, step, alpha, n_jobs or os.cpu_count() or 1)
-    responses, rows = lab.base(runs, lambda done: tell(0.05 + 0.5 * done, "probing effects"))
-    base = responses.only(rows.all())
+    responses = lab.base(runs, lambda done: tell(0.05 + 0.5 * done, "probing effects"))
+    base = responses.only(lab.rows())
     shown = shown_by(base)
     seen = against_none(base, gaps_of(base, shown))
     factors = matrix(base, shown)
     tied = ties(factors, seen)
     tell(0.6, "looking for additions")
-    partings = lab.partings(
-        responses, rows, shown, tied, seen, lambda done: tell(0.6 + 0.4 * done, "additions")
-    )
+    partings = lab.partings(responses, shown, tied, seen, lambda done: tell(0.6 + 0.4 * done, "additions"))
     said = tuple(dict.fromkeys(sentence for run in runs for sentence in run.assumed))
     places = [each[0].candidate.spot for each in base.effects]
     return Plan(

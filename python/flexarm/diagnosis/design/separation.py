@@ -213,22 +213,22 @@ class VirtualExperiments:
         self.nuisance: NuisanceModel | None = None
         self.candidates: list[Candidate] = []
         self.units: dict[str, str] = {}  # of signals
+        self.planned: set[str] = set()  # names of sensors
+        self.signals: list[tuple[str, slice]] = []  # of the rows of the planned runs
 
     def problem(self, runs: Mapping[str, Experiment]) -> Problem:
         """Return the virtual records of runs."""
         records = {name: run.record(self.arm, self.step, self.alpha) for name, run in runs.items()}
         return Problem(self.arm, records, step=self.step, alpha=self.alpha, jobs=self.jobs)
 
-    def base(
-        self, runs: Sequence[Experiment], note: Callable[[float], object]
-    ) -> tuple[Responses, PlannedRows]:
-        """Return the planned runs, with all sensors of the menu; which rows are whose."""
+    def base(self, runs: Sequence[Experiment], note: Callable[[float], object]) -> Responses:
+        """Return the responses in the planned runs, with all sensors of the menu."""
         more = [sensor for addition in self.additions for sensor in addition.sensors]
-        sensors = {sensor.name for run in runs for sensor in run.sensors}
+        self.planned = sensors = {sensor.name for run in runs for sensor in run.sensors}
         full = {run.name: replace(run, sensors=(*run.sensors, *more)) for run in runs}
         problem = self.problem(full)
         self.units = {name: s.unit for r in problem.records.values() for name, s in r.signals.items()}
-        rows = PlannedRows(problem, sensors)
+        self.signals = [(each.signal, where) for each, where in problem.channels()]
         self.nuisance = nuisance_model(problem)
         records = {
             name: record.replace(
@@ -237,7 +237,12 @@ class VirtualExperiments:
             for name, record in problem.records.items()
         }
         self.candidates = candidates(Problem(self.arm, records, step=self.step), self.nuisance.arm)
-        return self._responses(problem, self.candidates, note), rows
+        return self._responses(problem, self.candidates, note)
+
+    def rows(self, more: Iterable[str] = ()) -> NDArray[np.bool_]:
+        """Return True at rows of the planned sensors, and of some more on the menu."""
+        wanted = {*self.planned, *more}
+        return np.concatenate([np.full(where.stop - where.start, s in wanted) for s, where in self.signals])
 
     def _responses(
         self, problem: Problem, wanted: Sequence[Candidate], note: Callable[[float], object]
@@ -249,7 +254,6 @@ class VirtualExperiments:
     def partings(
         self,
         responses: Responses,
-        rows: PlannedRows,
         shown: Sequence[Shown],
         tied: NDArray[np.bool_],
         seen: Floats,
@@ -263,7 +267,7 @@ class VirtualExperiments:
         if not len(index):
             return found
         for k, addition in enumerate(self.additions):
-            with_it = self._added(responses, rows, addition, wanted)
+            with_it = self._added(responses, addition, wanted)
             there = [each[0].candidate.spot for each in with_it.effects]
             factors = matrix(with_it, [shown[places.index(place)] for place in there])
             least = np.array([seen[places.index(place)] for place in there])
@@ -273,35 +277,17 @@ class VirtualExperiments:
                     gain = lesser_factor(factors, least, where[i], where[j])
                     each.append(Parting(addition.words, addition.minutes, gain))
             note((k + 1) / len(self.additions))
-        return {pair: sorted(each, key=_order) for pair, each in found.items()}
+        for each in found.values():  # those that part by cost and gain, then the others by gain
+            each.sort(key=lambda p: (not p.parts, p.parts * p.minutes, -p.log_bayes_factor))
+        return found
 
     def _added(
-        self, responses: Responses, rows: PlannedRows, addition: Addition, wanted: Sequence[tuple[str, str]]
+        self, responses: Responses, addition: Addition, wanted: Sequence[tuple[str, str]]
     ) -> Responses:
         """Return the responses with an addition, for some effects."""
         kept = responses.of(wanted)
         if addition.sensors:
-            return kept.only(rows.all(sensor.name for sensor in addition.sensors))
+            return kept.only(self.rows(sensor.name for sensor in addition.sensors))
         there = self.problem({f"{run.name}, {addition.words}": run for run in addition.runs})
         mine = [each for each in self.candidates if each.spot in set(wanted)]
-        return kept.only(rows.all()).stacked_with(self._responses(there, mine, lambda done: None))
-
-
-class PlannedRows:
-    """Rows of the planned sensors, and of those on the menu."""
-
-    def __init__(self, problem: Problem, planned: set[str]) -> None:
-        self.problem, self.planned = problem, planned
-
-    def all(self, more: Iterable[str] = ()) -> NDArray[np.bool_]:
-        """Return True at rows of the planned sensors, and of some more."""
-        wanted = {*self.planned, *more}
-        found = np.zeros(len(self.problem), dtype=bool)
-        for each, where in self.problem.channels():
-            found[where] = each.signal in wanted
-        return found
-
-
-def _order(parting: Parting) -> tuple[bool, float, float]:
-    """Return the sort key: additions that part by cost and gain, then the others by gain."""
-    return (not parting.parts, parting.minutes if parting.parts else 0.0, -parting.log_bayes_factor)
+        return kept.only(self.rows()).stacked_with(self._responses(there, mine, lambda done: None))
