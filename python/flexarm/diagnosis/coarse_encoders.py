@@ -33,7 +33,7 @@ from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.encoder import quantised
 from flexarm.named_effects import Estimate, NamedEffect
-from flexarm.record import Record, Signal
+from flexarm.record import Record
 from flexarm.record.quantisation_grid import FEW, quantisation_step
 from flexarm.wording import with_unit
 
@@ -76,7 +76,8 @@ def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQua
         for name in record.drive if record.kind == "motion" else ():
             signal = record.signals[name]
             stated = arm.effect(EncoderQuantisation.name, name) is not None
-            if signal.quantity == "joint_angle" and not stated and not _rests(signal):
+            rests = len(np.unique(signal.values[signal.valid])) < FEW  # then no step can be told
+            if signal.quantity == "joint_angle" and not stated and not rests:
                 step = quantisation_step(signal.values[:, 0])
                 covered_by_noise = step <= NOISE_MODEL.coarse_count * (signal.noise_std or np.inf)
                 steps.setdefault(name, []).append(0.0 if covered_by_noise else step)
@@ -85,11 +86,6 @@ def coarse_encoders(arm: Arm, records: Mapping[str, Record]) -> tuple[EncoderQua
         for name, found in steps.items()
         if min(found) > 0 and max(found) < 1.01 * min(found)
     )
-
-
-def _rests(signal: Signal) -> bool:
-    """Return True if an encoder hardly moves: its readings tell of no step, nor that there is none."""
-    return len(np.unique(signal.values[signal.valid])) < FEW
 
 
 def with_errors_of_drives(

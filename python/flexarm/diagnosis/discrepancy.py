@@ -144,13 +144,11 @@ class PoseDiscrepancy:
     def whitened(self, values: Floats) -> Floats:
         """Return values of shape (n, ...) in directions of their own, over their deviation."""
         turned = self.vectors.T @ values
-        found: Floats = (turned.T / np.sqrt(self.variances)).T
-        return found
+        return (turned.T / np.sqrt(self.variances)).T
 
     def times(self, values: Floats) -> Floats:
         """Return C times values of shape (n, ...)."""
-        found: Floats = self.vectors @ ((self.vectors.T @ values).T * self.variances).T
-        return found
+        return self.vectors @ ((self.vectors.T @ values).T * self.variances).T
 
     @property
     def log_determinant(self) -> float:

@@ -58,8 +58,7 @@ def autocovariance(values: Floats, lags: int) -> Floats:
     n = len(values)
     size = 1 << int(np.ceil(np.log2(2 * n)))
     spectrum = np.fft.rfft(values, size)
-    found: Floats = np.fft.irfft(np.abs(spectrum) ** 2, size)[: lags + 1] / n
-    return found
+    return np.fft.irfft(np.abs(spectrum) ** 2, size)[: lags + 1] / n
 
 
 def is_in_time(rows: Rows, problem: Problem) -> bool:
@@ -101,13 +100,9 @@ class Evidence:
     occam: float
     """The other terms: priors and ln|H|, and what effects need."""
 
-    def whitened(self, values: Floats, problem: Problem) -> Floats:
-        """Return the root of C^-1 times values of shape (n, ...)."""
-        return _whitened(values, problem, self.discrepancies)
-
     def with_error(self, v: Floats, c: float, problem: Problem) -> float:
         """Return the log likelihood where c v v^T adds to C (matrix determinant lemma)."""
-        white = self.whitened(np.column_stack([v, self.left]), problem)
+        white = whitened(np.column_stack([v, self.left]), problem, self.discrepancies)
         along, square = float(white[:, 0] @ white[:, 1]), float(white[:, 0] @ white[:, 0])
         return self.log_likelihood + (c * along**2 / (1 + c * square) - log(1 + c * square)) / 2
 
@@ -116,7 +111,7 @@ class Evidence:
         return _by_channel(lambda each, rows: each.times(rows), values, problem, self.discrepancies)
 
 
-def _whitened(values: Floats, problem: Problem, discrepancies: tuple[Discrepancy, ...]) -> Floats:
+def whitened(values: Floats, problem: Problem, discrepancies: tuple[Discrepancy, ...]) -> Floats:
     """Return the root of C^-1 times values of shape (n, ...)."""
     return _by_channel(lambda each, rows: each.whitened(rows), values, problem, discrepancies)
 
@@ -154,18 +149,18 @@ def evidence_of(fit: Fit, problem: Problem) -> Evidence:
     n, k = len(problem), len(fit.z)
     discrepancies = discrepancies_of(fit.projected[:n], problem, fit.non_smooth)
     jacobian = np.column_stack([fit.jacobian, fit.projection.jacobian])
-    whitened = _whitened(np.column_stack([jacobian, fit.residual]), problem, discrepancies)
-    step = gls_step(fit, whitened[:, :-1], whitened[:, -1])
+    rows = whitened(np.column_stack([jacobian, fit.residual]), problem, discrepancies)
+    step = gls_step(fit, rows[:, :-1], rows[:, -1])
     left = fit.projected[:n] + jacobian @ step
     pulls = fit.projected[n:] + step[k:] / fit.projection.sigma
-    white = _whitened(left, problem, discrepancies)
+    white = whitened(left, problem, discrepancies)
     determinant = sum(each.log_determinant - 2 * each.log_prior for each in discrepancies)
     found = Evidence(
         discrepancies,
         left,
         -(float(white @ white) + determinant) / 2,
         float(pulls @ pulls) / 2,
-        occam(fit, whitened[:, :-1], fit.z + step[:k]),
+        occam(fit, rows[:, :-1], fit.z + step[:k]),
     )
     problem.evidence[fit] = (problem.rows, found)
     return found

@@ -57,14 +57,13 @@ class Projection:
     """
 
     def __init__(self, jacobian: Floats, sigma: Floats) -> None:
-        count = jacobian.shape[1]
         known = np.isfinite(sigma)
         norm = np.linalg.norm(jacobian, axis=0)
         self.scale = np.where(known, sigma, 1.0 / np.where(norm > 0, norm, 1.0))
         rows = np.vstack([jacobian * self.scale, np.diag(known.astype(float))])
         self.q, self.r = np.linalg.qr(rows)
         self.jacobian, self.sigma = jacobian, sigma
-        self.added = count
+        self.added = jacobian.shape[1]
 
     def project(self, residual: Floats) -> Floats:
         """b - Q Q^T b of (2), shape (n + k, ...): its square is C of (1)."""
@@ -174,14 +173,12 @@ class NormalEquations:
     def solved(self, gradient: Floats) -> Floats:
         """H^-1 times vectors of shape (m, ...)."""
         root = self.root()
-        found: Floats = root @ (root.T @ gradient)
-        return found
+        return root @ (root.T @ gradient)
 
     def inverse(self) -> Floats:
         """H^-1."""
         root = self.root()
-        found: Floats = root @ root.T
-        return found
+        return root @ root.T
 
     def root(self) -> Floats:
         """R of H^-1 = R R^T."""

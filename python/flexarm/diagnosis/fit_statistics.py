@@ -30,7 +30,7 @@ from flexarm.arm.effect import effect_class
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.diagnosis.candidates import places_of
 from flexarm.diagnosis.discrepancy import TimeDiscrepancy
-from flexarm.diagnosis.evidence import evidence_of
+from flexarm.diagnosis.evidence import evidence_of, whitened
 from flexarm.diagnosis.fit import Fit, NormalEquations, joint_jacobian
 from flexarm.diagnosis.hold_out import rms_rate
 from flexarm.diagnosis.problem import Problem
@@ -186,8 +186,8 @@ def _alone(fit: Fit, problem: Problem, name: str) -> tuple[np.ndarray, np.ndarra
     """Return the steps and standard deviations of the parameters from one record, eq. (2)."""
     jacobian, residual, prior = joint_jacobian(fit)
     best = np.concatenate([np.zeros(len(fit.z)), fit.projection.solve(fit.residual)])
-    evidence = evidence_of(fit, problem)
-    white = evidence.whitened(np.column_stack([jacobian, residual]), problem)
+    discrepancies = evidence_of(fit, problem).discrepancies
+    white = whitened(np.column_stack([jacobian, residual]), problem, discrepancies)
     own = np.concatenate([np.arange(w.start, w.stop) for e, w in problem.channels() if e.record == name])
     jacobian, residual = white[own, :-1], white[own, -1]
     prior = prior.copy()

@@ -190,18 +190,14 @@ class LeastSquares:
         missed = step - jacobian @ dz
         if float(missed @ missed) > FIT.step_missed**2 * float(step @ step):
             return None
-        updated: Floats = jacobian + np.outer(missed, dz / float(dz @ dz))  # eq. (2)
-        return updated
+        return jacobian + np.outer(missed, dz / float(dz @ dz))  # eq. (2)
 
     def differences(self, z: Floats) -> Floats:
         """Return derivatives from finite steps, forward or backward where there is room."""
         key = z.tobytes()
         if key not in self._differences:
             exact = self._exact(z)
-            if exact is not None:
-                self._differences[key] = exact
-                return exact
-            self._differences[key] = self._columns(z, range(len(z)))
+            self._differences[key] = self._columns(z, range(len(z))) if exact is None else exact
         return self._differences[key]
 
     def _columns(self, z: Floats, which: Sequence[int]) -> Floats:

@@ -289,8 +289,7 @@ class Problem:
 
 def extrapolated(coarse: Floats, fine: Floats) -> Floats:
     """Richardson's extrapolation of a method of order two from steps h and h/2."""
-    found: Floats = fine + (fine - coarse) / 3
-    return found
+    return fine + (fine - coarse) / 3
 
 
 _key = attrgetter(

@@ -253,8 +253,7 @@ class Diagnosis(BeforeAfter, SavedAsDirectory, Summarised):
         View
             One page without network; see `Arm.view`.
         """
-        found: View = viewed(self, record=record, scale=scale, urdf=urdf)
-        return found
+        return viewed(self, record=record, scale=scale, urdf=urdf)
 
     @classmethod
     @takes(path=PATH)

@@ -103,8 +103,7 @@ def deviations(
     variance = np.diag(robust_covariance(jacobian, scattered, np.diag(prior), inverse, input_errors))
     errors = simulation_errors(problem, fit.non_smooth) if errors is None else errors
     size = np.broadcast_to(errors, len(problem))
-    found: Floats = np.sqrt(variance + surrogates(problem, jacobian, jacobian @ inverse, size) ** 2)
-    return found
+    return np.sqrt(variance + surrogates(problem, jacobian, jacobian @ inverse, size) ** 2)
 
 
 def robust_covariance(
@@ -115,8 +114,7 @@ def robust_covariance(
     if input_errors is not None and len(input_errors):
         along = input_errors @ weighted
         scatter = scatter + along.T @ along / len(input_errors)  # eq. (2)
-    found: Floats = inverse @ scatter @ inverse  # eq. (1)
-    return found
+    return inverse @ scatter @ inverse  # eq. (1)
 
 
 def surrogates(problem: Problem, jacobian: Floats, depends: Floats, size: Floats) -> Floats:
