@@ -72,9 +72,9 @@ def sentences(f: Findings) -> Iterator[str]:
 def spreads(f: Findings) -> Iterator[str]:
     """Yield median and 90 % range of every number of the runs."""
     for target in f.targets:
-        row = _target_row(target)
-        low, median, high = row["numbers"][-3:]
-        yield f"{target.name}: median {median}, 90 % of the runs from {low} to {high} {row['unit']}"
+        factor, unit = scale(target.quantiles, target.unit)
+        low, median, high = (number(factor * each, 4) for each in target.quantiles[[0, 2, 4]])
+        yield f"{target.name}: median {median}, 90 % of the runs from {low} to {high} {unit}".rstrip()
 
 
 def _change(each: Trend, time: str) -> str:
