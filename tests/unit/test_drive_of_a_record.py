@@ -42,3 +42,20 @@ def test_a_second_drive_on_an_unknown_clock_is_refused():
     )
     with pytest.raises(flexarm.InvalidParameter, match=r"clocks\.b: has an unknown offset to"):
         flexarm.Drive.from_record(record, waist_and_elbow({"noise_std": 2e-5}))
+
+
+def test_rows_after_the_end_of_a_drive_that_moves_are_not_compared():
+    """The model would stand still there, 30 mrad from the arm."""
+    arm = crane(effects=[]).with_effect(JointCompliance(at="hinge", stiffness=1.4e5, damping=180.0))
+    swing = drive({"hinge": lambda t: 0.4 * np.sin(2 * np.pi * 0.3 * t) ** 3}, 4.0)
+    sensors = [
+        Sensor(name="hinge", quantity="joint_angle", joint="hinge", rate_hz=250, noise_std=1e-6),
+        Sensor(name="torque", quantity="motor_torque", joint="hinge", rate_hz=50, noise_std=0.05),
+    ]
+    record = flexarm.measure(flexarm.simulate(arm, swing), sensors, np.random.default_rng(1), drive=["hinge"])
+    hinge = record.signals["hinge"]
+    first = hinge.time < 3.8
+    cut = hinge.replace(time=hinge.time[first], values=hinge.values[first])
+    found = flexarm.compare(arm, record.replace(signals={**record.signals, "hinge": cut}))
+    assert "10 of 201 rows of torque lie after the drives, and are not compared" in found.notes
+    assert found.signals["torque"].rms["total"] < 1.2 * found.signals["torque"].noise_rms

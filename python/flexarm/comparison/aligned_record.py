@@ -18,7 +18,7 @@ from flexarm.comparison.initial_guess import initial_guess
 from flexarm.comparison.poses import pair_poses, solve_poses
 from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive import Drive
-from flexarm.drive.from_record import true_time
+from flexarm.drive.from_record import moving_end, true_time
 from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.modal import Modes, modes
 from flexarm.record import Record
@@ -131,7 +131,10 @@ def require_known_drive(record: Record) -> None:
 
 
 def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
-    """Return the last instant of all stamps, less delays of their clocks, and three sigma more [s]."""
+    """Return the last instant of all stamps, less delays of their clocks, and three sigma more [s].
+
+    That is no later than a drive is known that moves at its end.
+    """
     own = record.clocks[drive_clock(record)].offset
     ends = []
     for signal in record.signals.values():
@@ -139,7 +142,7 @@ def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
         if len(signal.time) and (signal.name in record.drive or not is_unknown_clock(record, signal.clock)):
             late = clock.offset - own - (0.0 if signal.name in record.drive else 3 * clock.sigma)
             ends.append(float(true_time(signal, arm, start, late)[-1]))
-    return max(ends, default=record.duration) + 1e-9
+    return min(max(ends, default=record.duration) + 1e-9, moving_end(record, arm, start))
 
 
 def _modes(pair: AlignedRecord) -> list[tuple[float, float]]:

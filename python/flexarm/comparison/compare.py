@@ -114,7 +114,7 @@ def comparison_of(
         aligned,
         dict(simulated.skipped),
         modes_hz,
-        (*unplaced, *_notes(record, gaps, modes_hz, aligned, align), *steps),
+        (*unplaced, *_unknown_ends(pair), *_notes(record, gaps, modes_hz, aligned, align), *steps),
         _found_frames(simulated, aligned) if align else {},
     )
 
@@ -129,6 +129,16 @@ def _found_frames(
         for name, frame in simulated.record.frames.items()
         if frame.unknown and name in seen
     }
+
+
+def _unknown_ends(pair: AlignedRecord) -> list[str]:
+    """Return notes on rows after the end of a drive that moves there."""
+    simulated, found = pair.simulated, []
+    for name, signal in simulated.evidence.items() if pair.record.kind == "motion" else ():
+        instants = simulated.instants(signal, pair.aligned.placement)
+        if late := int(np.sum(instants > simulated.simulation.time[-1])):
+            found.append(f"{late} of {len(signal)} rows of {name} lie after the drives, and are not compared")
+    return found
 
 
 def _notes(

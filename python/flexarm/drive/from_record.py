@@ -5,12 +5,14 @@ A record holds the readings of an encoder and the stamps of its clock. Where the
 samples are smoothed. The readings and their noise alone determine how much, so that the drive depends
 smoothly on the parameters of these effects.
 
-A run ends a little after the last stamp, for clocks that are late. Until then a drive goes on with the rate
-and acceleration of its last sample: a sudden stop would show in the accelerations just before it.
+A run ends a little after the last stamp, for clocks that are late, or after a drive that still moves at its
+last sample. Until then a drive goes on with the rate and acceleration of its last sample: a sudden stop would
+show in the accelerations just before it.
 """
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +28,7 @@ from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.outliers import drive_outliers
 from flexarm.measurement.smoothing import Pieces, smooth
 from flexarm.record import Record, Signal
+from flexarm.record.drive_span import moves_at_end
 
 AFTER = 0.02
 """Time after the last stamp at which a run ends [s]."""
@@ -78,9 +81,19 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
         "joints": joints,
         "rest": dict(record.joints),
         "start": float(min(starts)),
-        "end": float(end),
+        "end": min(float(end), moving_end(record, arm, start)),
         "lead": lead,
     }
+
+
+def moving_end(record: Record, arm: Arm, start: float) -> float:
+    """Return when the first joint angle that drives is unknown while it moves [s]; infinite if all stop."""
+    ends = [
+        float(true_time(signal, arm, start, _lateness(signal, record) or 0.0)[signal.valid][-1])
+        for signal in (record.signals[name] for name in record.drive)
+        if signal.quantity == "joint_angle" and moves_at_end(signal)
+    ]
+    return min(ends, default=inf) + AFTER
 
 
 def true_time(signal: Signal, arm: Arm, start: float, late: float = 0.0) -> Floats:

@@ -46,6 +46,12 @@ def range_at_rest(signal: Signal) -> float:
     return max(moved, NOISY * (signal.noise_std or 0.0), ONE_STEP * signal.finest_step)
 
 
+def moves_at_end(drive: Signal) -> bool:
+    """Return True if the last samples of a drive tell of a motion."""
+    last = drive.values[drive.valid, 0][-PAUSE:]
+    return len(last) > 0 and float(np.ptp(last)) > range_at_rest(drive)
+
+
 def uncovered(record: Record, signals: Iterable[Signal]) -> list[Problem]:
     """Return what signals of a motion show while a joint angle that drives it is unknown."""
     seen = [signal for signal in signals if signal.valid.any()]
