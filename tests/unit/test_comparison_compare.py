@@ -2,6 +2,7 @@
 
 import json
 
+import loops
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from flexarm.drive import Drive
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.measurement import ClockError, Registration, measure
 from flexarm.measurement.outliers import outliers
+from flexarm.modal import modes
 from flexarm.record import CarriedPayload, Clock, Frame, Record, Signal
 from flexarm.simulation import simulate
 from flexarm.statics import static
@@ -598,3 +600,13 @@ def test_a_signal_is_predicted_once_at_its_instants(run, monkeypatch):
     seen = [each for each in asked if len(each[1]) > 8]  # of one instant it is asked whether it can be seen
     assert {name for name, _ in seen} >= {"tip", "hub", "torque"}
     assert len(set(seen)) == len(seen)
+
+
+def test_a_comparison_of_a_loop_knows_its_modes():
+    """Joints that follow in the loop are held by the one that drives."""
+    model = loops.flexible_crane()
+    t = np.linspace(0, 2, 201)
+    lift = Drive.from_samples(t, {"piston": 0.2 + 0.1 * smooth_step(t / 2)})
+    found = compare(model, loops.crane_record(model, lift, 5e-3, 1), step=5e-3)
+    expected = modes(model, {"piston": 0.25}, count=1).frequency_hz[0]
+    assert found.modes_hz[0] == pytest.approx(expected, rel=0.05)

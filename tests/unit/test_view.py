@@ -55,6 +55,19 @@ def test_bones_of_an_equilibrium_lie_at_its_points_and_displacements_scale():
         assert np.allclose(x, rigid_place + scale * found.displacement[0], atol=1e-9)
 
 
+def test_a_held_crane_is_drawn_in_a_run_as_it_is_at_rest():
+    """Displacements of both are from the rigid crane whose loop the driven piston closes."""
+    arm = Arm.from_toml(EXAMPLES / "crane.toml")
+    rest = flexarm.static(arm, {"piston": 0.211})
+    held = flexarm.Drive.from_samples(np.linspace(0, 0.1, 11), {"piston": np.full(11, 0.211)})
+    run = flexarm.simulate(arm, held, step=5e-3)
+    scenes = [of_statics(rest, 10.0), of_simulation(run, 10.0)]
+    bone = Skeleton(arm).points[rest.points[0]]
+    at_rest, moving = (scene.clips[0].poses.x[0, bone] for scene in scenes)
+    assert moving == pytest.approx(at_rest, abs=1e-6)
+    assert any("drives at piston 0.211 m" in note for note in scenes[0].notes)
+
+
 def test_each_joint_of_several_loops_moves_alone_from_where_the_arm_stands():
     """Other cylinders stay where they are stated; a sweep is halved until its loop closes."""
     arm = Arm.from_toml(EXAMPLES / "excavator" / "excavator.toml")

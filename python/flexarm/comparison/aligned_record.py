@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.assembly import following_joints
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.align import align as align_to
 from flexarm.comparison.alignment_parameters import drive_clock, is_unknown_clock, stated_placement
@@ -147,12 +148,14 @@ def end_of_simulation(record: Record, arm: Arm, start: float) -> float:
 
 def _modes(pair: AlignedRecord) -> list[tuple[float, float]]:
     """Return modes of the arm at the middle of its motion; none if it has no equilibrium there."""
-    run, arm = pair.simulated.simulation, pair.simulated.arm
+    run, arm, record = pair.simulated.simulation, pair.simulated.arm, pair.record
     angles = np.asarray(run.drive_angle)
+    driven = {*record.joints, *(str(record.signals[name].joint) for name in record.drive)}
+    follow = following_joints(arm, (), driven)
     middle = {
         name: float((angles[:, j].min() + angles[:, j].max()) / 2)
         for j, name in enumerate(run.joints)
-        if arm.joint(name).moves
+        if arm.joint(name).moves and name not in follow
     }
     try:
         found = modes(arm, joints=middle, count=2 * MODES)

@@ -80,7 +80,7 @@ def of_statics(found: Statics, scale: float | None = None, meshes: Meshes | None
     both = Poses(np.concatenate([shown.R, rigid.R], axis=1), np.concatenate([shown.x, rigid.x], axis=1))
     notes = (
         f"displacements × {times:g}; the largest is {with_unit(largest, 'm')}",
-        _angles(found.arm, found.drive_angle),
+        _angles(found.arm, found.drive_angle, found.driven),
     )
     layer = Layer("rigid arm", STYLE.ghost, "rigid arm at the same drive angles")
     clips = [Clip("equilibrium", np.zeros(1), both)]
@@ -117,7 +117,11 @@ def of_modes(found: Modes, meshes: Meshes | None = None) -> Scene:
     both = [_beside(clip, rest) for clip in clips]
     bars = list(bodies.outriggers({twisted(bodies, rest, shape) for shape in shapes}))
     ghost = [skin.shifted(n, "equilibrium", STYLE.ghost, 0.3) for skin in (*bodies.links(), *bars)]
-    notes = ("amplitudes are free: shapes are drawn so that they show", _angles(found.arm, found.drive_angle))
+    driven = str(found.solver.get("driven", "")).split()
+    notes = (
+        "amplitudes are free: shapes are drawn so that they show",
+        _angles(found.arm, found.drive_angle, driven),
+    )
     layer = Layer("equilibrium", STYLE.ghost, "equilibrium")
     return _scene(f"{found.arm.name}: modes", notes, bodies, both, [*bars, *ghost], [layer])
 
@@ -163,7 +167,11 @@ def of_simulation(
     assert again.orientation is not None  # asked for
     x, turn = again.position[frames, skeleton.chosen], again.orientation[frames, skeleton.chosen]
     poses = from_quaternions(x, turn)
-    rigid = skeleton.rigid(run.drive_angle[frames])
+    angles = run.drive_angle[frames]
+    if run.arm.closures:
+        driven = str(run.solver.get("driven", "")).split()
+        angles = np.array([at_rest(run.arm, drive_angles(run.arm, row, driven))[0] for row in angles])
+    rigid = skeleton.rigid(angles)
     poses, time = poses.scaled(rigid, _checked(scale)), run.time[frames]
     size = _size(poses.x)
     bodies = Bodies(skeleton, size, meshes)
@@ -363,13 +371,14 @@ def _checked(scale: float) -> float:
     return float(scale)
 
 
-def _angles(arm: Arm, angles: Floats) -> str:
-    """Return the drive angles in words."""
+def _angles(arm: Arm, angles: Floats, driven: Iterable[str] = ()) -> str:
+    """Return the drive angles in words, without joints that follow in loops."""
+    follow = following_joints(arm, (), tuple(driven)) if arm.closures else ()
     if not np.any(angles):
         return "all drives at 0"
     told = [
         f"{joint.name} {number(float(angle))} {'rad' if joint.type == 'revolute' else 'm'}"
         for joint, angle in zip(arm.joints, angles, strict=True)
-        if joint.moves
+        if joint.moves and joint.name not in follow
     ]
     return "drives at " + ", ".join(told) if told else ""
