@@ -129,8 +129,16 @@ def _with_branches(
         high90=_numbers(value + band),
         instant_s=instant[0] if instant else None,
         instant90=instant[1:],
-        says=f"{says}; it spans {with_unit(float(np.ptp(value)), curve.unit, 3)}",
+        says=f"{says}; it spans {_span(value, curve.unit)}",
     )
+
+
+def _span(value: Floats, unit: str) -> str:
+    """Return the span of a curve, with its middle where that is more."""
+    low, high = float(np.min(value)), float(np.max(value))
+    middle = (low + high) / 2
+    about = f" about {with_unit(middle, unit, 3)}" if abs(middle) > high - low else ""
+    return with_unit(high - low, unit, 3) + about
 
 
 def _sentence(curve: LawCurve, shape: str) -> str:
@@ -156,7 +164,7 @@ def as_torque(law: LawCurve, stiffness: float) -> LawCurve:
         low90=times(law.high90),
         high90=times(law.low90),
         cloud_value=times(law.cloud_value),
-        says=f"{says.split(': ')[0]}; it spans {with_unit(stiffness * float(np.ptp(law.value)), unit, 3)}",
+        says=f"{says.split(': ')[0]}; it spans {_span(-stiffness * np.asarray(law.value), unit)}",
     )
 
 
