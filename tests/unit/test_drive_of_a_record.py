@@ -30,13 +30,31 @@ def test_an_accelerometer_at_the_last_sample_reads_the_motion_and_no_stop():
     assert off[-1] == pytest.approx(off[:-1].max(), abs=0.05)
 
 
-def test_a_second_drive_on_an_unknown_clock_is_refused():
-    """Nothing says when its joint moves."""
-    t = np.linspace(0, 2, 101)
+def on_two_clocks(t):
     waist, elbow = (
         Signal(name=joint, quantity="joint_angle", joint=joint, time=t, values=0.1 * t**2, clock=clock)
         for joint, clock in (("waist", "a"), ("elbow", "b"))
     )
+    return waist, elbow
+
+
+def test_a_second_drive_on_an_uncertain_clock_is_taken_as_stated_with_a_note():
+    t = np.linspace(0, 2, 101)
+    tip = Signal(
+        name="tip", quantity="position", point="tip", time=t[::10], values=np.ones((11, 3)), clock="a"
+    )
+    record = Record(
+        signals=[*on_two_clocks(t), tip],
+        drive=["waist", "elbow"],
+        clocks={"a": Clock(), "b": Clock(offset=0.0, sigma=0.02)},
+    )
+    notes = flexarm.compare(waist_and_elbow({"noise_std": 2e-5}), record).notes
+    assert "the clock of the drive elbow is uncertain by 20.0 ms; its offset is taken as stated" in notes
+
+
+def test_a_second_drive_on_an_unknown_clock_is_refused():
+    """Nothing says when its joint moves."""
+    waist, elbow = on_two_clocks(np.linspace(0, 2, 101))
     record = Record(
         signals=[waist, elbow], drive=["waist", "elbow"], clocks={"a": Clock(), "b": Clock(unknown=True)}
     )

@@ -23,6 +23,7 @@ from flexarm.drive.lead_in import LEAD
 from flexarm.measurement.outliers import SMOOTH, row_list
 from flexarm.record import Record
 from flexarm.record.compatibility import unplaced_effects
+from flexarm.wording import with_unit
 
 
 @takes(
@@ -211,4 +212,10 @@ def _about_drives(record: Record) -> list[str]:
         found.append(
             f"no noise is stated for the drive {', '.join(rough)}: its samples are joined as they are"
         )
+    first = record.signals[record.drive[0]].clock if record.drive else ""
+    for name in record.drive:
+        clock = record.signals[name].clock
+        if clock != first and (sigma := record.clocks[clock].sigma) > 0:
+            by = with_unit(sigma, "s")
+            found.append(f"the clock of the drive {name} is uncertain by {by}; its offset is taken as stated")
     return found
