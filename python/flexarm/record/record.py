@@ -166,7 +166,7 @@ class Record(Shown):
 
     @takes(path=PATH, force=FLAG)
     def save(self, path: str | Path, force: bool = False) -> None:
-        """Write `record.toml` and the CSV files, in SI; `Record.load` of it gives an equal record.
+        """Write `record.toml` and the CSV files, in SI; `Record.load` of it gives the same values.
 
         Parameters
         ----------
