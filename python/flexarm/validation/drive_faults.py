@@ -120,13 +120,17 @@ class _DriveTest:
 
     def rigid_cost(self, hypothesis: Hypothesis) -> float | None:
         """Return the cost of the kinematic channels of the rigid arm, or None if there are none."""
+        found = self.rigid_channels(hypothesis)
+        return total_cost(found) + POLICY.clear_log_odds * (len(hypothesis) - 1) if found else None
+
+    def rigid_channels(self, hypothesis: Hypothesis = ()) -> list[ChannelFinding]:
+        """Return the kinematic channels of the rigid arm under their best hypotheses."""
         repaired = self.arm.replace(effects=(*self.arm.effects, *hypothesis))
         try:
             simulated = rigid_record(repaired, self.record)
         except InvalidParameter:
-            return None
-        found = find_channel_faults(self.name, simulated) if simulated is not None else []
-        return total_cost(found) + POLICY.clear_log_odds * (len(hypothesis) - 1) if found else None
+            return []
+        return find_channel_faults(self.name, simulated) if simulated is not None else []
 
     def log_bayes(self, trial: _TestedHypothesis) -> float:
         """Return the log Bayes factor against the best explanation without the hypothesis."""
@@ -167,18 +171,19 @@ def refuted_drives(arm: Arm, name: str, record: Record) -> set[str]:
 
 
 def exchanged_drives(arm: Arm, name: str, record: Record) -> str | None:
-    """Return a doubt about two drives with which the rigid arm moves better exchanged, or None."""
-    as_recorded = _DriveTest(arm, name, record, None, 0.0).rigid_cost(())
-    if as_recorded is None:
+    """Return a doubt about two drives with which the rigid arm moves as measured if exchanged, or None."""
+    before = _DriveTest(arm, name, record, None, 0.0).rigid_channels()
+    if not any(each.name or each.unexplained for each in before):
         return None
     found = []
     for one, other in combinations((record.signals[drive] for drive in record.drive), 2):
         if one.unit == other.unit:
             swapped = {one.name: one.replace(joint=other.joint), other.name: other.replace(joint=one.joint)}
             test = _DriveTest(arm, name, record.replace(signals={**record.signals, **swapped}), None, 0.0)
-            if (cost := test.rigid_cost(())) is not None:
-                found.append((cost, one.name, other.name))
-    if not found or min(found)[0] > as_recorded - POLICY.decisive_log_odds:
+            after = test.rigid_channels()
+            if after and not any(each.name or each.unexplained for each in after):
+                found.append((total_cost(after), one.name, other.name))
+    if not found or min(found)[0] > total_cost(before) - POLICY.decisive_log_odds:
         return None
     _, *drives = min(found)
     return f"{name}: the arm follows {' and '.join(drives)} far better exchanged: is each that of its joint?"
