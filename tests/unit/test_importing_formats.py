@@ -4,9 +4,11 @@ import signal
 import sys
 import tracemalloc
 
+import h5py
 import numpy as np
 import pytest
 from log_files import ANGLE, FORMATS, JOINTS, POSE, TIME, TIP, N, map_of, ros_1
+from scipy.io import savemat
 
 import flexarm
 from flexarm import InvalidFile
@@ -347,3 +349,29 @@ def test_an_error_of_a_damaged_log_is_told_as_ever(tmp_path):
     (tmp_path / "v5.mat").write_bytes(raw[: len(raw) // 2])
     with pytest.raises(InvalidFile, match="goes beyond what holds it"):
         opened(tmp_path / "v5.mat", Dialect()).groups()
+
+
+@pytest.mark.parametrize("name", ["log.mat", "log.h5"])
+@pytest.mark.parametrize("across", [False, True])
+@pytest.mark.parametrize("keys", ['topic = "m"\ntime = 1', "time = { rate_hz = 100 }"])
+def test_samples_of_a_matrix_without_separate_stamps_run_along_its_longer_side(name, across, keys, tmp_path):
+    matrix = np.column_stack([np.arange(200) / 100, np.arange(200.0), np.ones(200)])
+    matrix = matrix.T if across else matrix
+    if name == "log.mat":
+        savemat(tmp_path / name, {"m": matrix})
+    else:
+        with h5py.File(tmp_path / name, "w") as file:
+            file["m"] = matrix
+    columns = "[2]" if "topic" in keys else '["m[2]"]'
+    hinge = joint_of(tmp_path, f'source = "{name}"\n{keys}\ncolumns = {columns}')
+    np.testing.assert_allclose(hinge.values[:, 0], np.arange(200.0))
+    np.testing.assert_allclose(hinge.time, np.arange(200) / 100)
+
+
+def joint_of(folder, keys):
+    """The angle that a map reads by some keys."""
+    (folder / "map.toml").write_text(
+        'format = "flexarm-map/1"\n[[signals]]\nname = "hinge"\nquantity = "joint_angle"\njoint = "hinge"\n'
+        f'side = "output"\n{keys}\n'
+    )
+    return flexarm.import_record(folder / "map.toml").signals["hinge"]

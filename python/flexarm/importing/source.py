@@ -141,22 +141,22 @@ class Source(ABC):
         topic = request.topic
         found = [self.find(topic, column, "columns") for column in request.columns]
         time, unit = self._time(request, [index for index, _ in found])
-        rows = None if time is None else len(time)
-        columns = []
-        for (index, pick), column in zip(found, request.columns, strict=True):
-            what = f"column {column!r}"
-            array = one_row(self.array(topic, index), pick, rows, what)
-            rows = len(array) if rows is None else rows
+        rows, beside = (None, "") if time is None else (len(time), "stamps")
+        found = [*(self.find(topic, column, key) for key, column in request.others), *found]
+        asked = [*request.others, *(("columns", column) for column in request.columns)]
+        arrays = []
+        for (key, column), (index, pick) in zip(asked, found, strict=True):
+            array = self._row(topic, index, pick, rows, f"column {column!r}")
+            if rows is None:
+                rows, beside = len(array), f"values of column {column!r}"
             if len(array) != rows:
-                beside = "stamps" if time is not None else "values of the first column"
-                raise Unreadable("columns", f"{what} has {len(array)} values beside {rows} {beside}")
+                raise Unreadable(key, f"column {column!r} has {len(array)} values beside {rows} {beside}")
+            arrays.append(array)
+        others, columns = tuple(arrays[: len(request.others)]), []
+        for array, column in zip(arrays[len(others) :], request.columns, strict=True):
             parts = (array.real, array.imag) if array.dtype.kind == "c" else (array,)
+            what = f"column {column!r}"
             columns += [as_numbers(part, lambda row: self.place(topic, row), what) for part in parts]
-        others = tuple(
-            one_row(self.array(topic, index), pick, rows, f"column {column!r}")
-            for key, column in request.others
-            for index, pick in [self.find(topic, column, key)]
-        )
         values = columns[0][:, None] if len(columns) == 1 else np.stack(columns, axis=1)
         return Samples(values, time, unit, others)
 
@@ -182,6 +182,15 @@ class Source(ABC):
         meant = f"; did you mean {close[0]!r}?" if close else ""
         raise Unreadable(key, missing("column", column, [n for n in names if n]) + meant)
 
+    def length(self, matrix: Array) -> int | None:
+        """Return the number of samples of a matrix; None where its rows are the columns of the log."""
+        return None
+
+    def _row(self, topic: str | None, index: int, pick: int | None, rows: int | None, what: str) -> Array:
+        """Return a column, or the row of a matrix that is picked, of so many samples if that is known."""
+        array = self.array(topic, index)
+        return one_row(array, pick, self.length(array) if rows is None else rows, what)
+
     def _time(self, request: Request, indices: Sequence[int]) -> tuple[Array | None, str | None]:
         topic, column = request.topic, request.time
         if column is None:
@@ -191,7 +200,7 @@ class Source(ABC):
         if column == LOG and LOG not in self.names(topic):
             return self.log_time(topic, indices)
         index, pick = self.find(topic, column, "time")
-        found = one_row(self.array(topic, index), pick, None, f"column {column!r}")
+        found = self._row(topic, index, pick, None, f"column {column!r}")
         if request.stamps_are_text:
             return found, None
         if found.dtype.kind in "Mm":
@@ -206,7 +215,7 @@ class Source(ABC):
         texts = []
         for column in columns:
             index, pick = self.find(topic, column, "time")
-            texts.append(one_row(self.array(topic, index), pick, None, f"column {column!r}").tolist())
+            texts.append(self._row(topic, index, pick, None, f"column {column!r}").tolist())
         return np.array([" ".join(map(str, row)) for row in zip(*texts, strict=True)])
 
 
@@ -218,8 +227,7 @@ def one_row(array: Array, pick: int | None, rows: int | None, what: str) -> Arra
             shape = " x ".join(map(str, array.shape))
             raise Unreadable("columns", f"{what} is a matrix of {shape}; pick a row of it by [1]")
         return array
-    if array.ndim == 1:
-        array = array[:, None] if rows is None or len(array) == rows else array[None, :]
+    array = array[None, :] if array.ndim == 1 else array
     if array.ndim != 2:
         raise Unreadable("columns", f"{what} has {array.ndim} dimensions; a row is picked from two")
     across = rows is not None and array.shape[1] != rows and array.shape[0] == rows

@@ -48,6 +48,10 @@ class Tree(Source):
         """Return an array by its place in `names`."""
         return self.leaf(self.path_of(topic, self.names(topic)[index]))
 
+    def length(self, matrix: Array) -> int | None:
+        """Return the longer side of a matrix: a tree may hold it either way."""
+        return max(matrix.shape, default=1)
+
     def path_of(self, topic: str | None, name: str) -> str:
         """Return the path from the root."""
         start = "" if topic is None else topic.strip(self.separator)
