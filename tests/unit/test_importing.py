@@ -234,6 +234,25 @@ def test_nanoseconds_since_1970_keep_every_digit(tmp_path):
     assert "2023-11-14 22:13:20 UTC" in str(record.notes[0])
 
 
+def test_nanoseconds_since_1970_in_a_text_keep_every_digit(tmp_path):
+    """They have 19 digits."""
+    stamps = 1_780_000_000_123_456_789 + 10_000_001 * np.arange(3)
+    rows = "time,angle\n" + "".join(f"{stamp},0.1\n" for stamp in stamps)
+    text = HINGE.replace('time = "time"', 'time = "time"\ntime_unit = "ns"')
+    record = imported(tmp_path, text, log_csv=rows)
+    exact = 1e-9 * (stamps - 1_780_000_000_000_000_000)
+    np.testing.assert_allclose(record.signals["hinge"].time, exact, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("rows", ["time,angle\nms,deg\n", "time [ms],angle\n", "time (msec),angle [deg]\n"])
+def test_the_unit_that_a_table_gives_its_stamps_counts(rows, tmp_path):
+    (time, angle) = rows.splitlines()[0].split(",")
+    text = HINGE.replace('time = "time"', f'time = "{time}"').replace('["angle"]', f'["{angle}"]')
+    rows += "".join(f"{10 * k}.5,0.1\n" for k in range(30))
+    hinge = imported(tmp_path, text, log_csv=rows).signals["hinge"]
+    np.testing.assert_allclose(hinge.time, 0.01 * np.arange(30) + 0.0005)
+
+
 def test_clocks_that_are_known_share_an_origin_and_unknown_ones_need_not(tmp_path):
     clocks = '[clocks]\nrobot = 0.0\ntracker = "unknown"\n[[signals]]'
     text = (HINGE + TIP.replace("log.csv", "tracker.csv") + 'clock = "tracker"\n').replace(

@@ -7,8 +7,11 @@ import tracemalloc
 import h5py
 import numpy as np
 import pytest
+from asammdf import MDF
+from asammdf import Signal as MdfSignal
 from log_files import ANGLE, FORMATS, JOINTS, POSE, TIME, TIP, N, map_of, ros_1
-from scipy.io import savemat
+from nptdms import ChannelObject, TdmsWriter
+from scipy.io import netcdf_file, savemat
 
 import flexarm
 from flexarm import InvalidFile
@@ -366,6 +369,84 @@ def test_samples_of_a_matrix_without_separate_stamps_run_along_its_longer_side(n
     hinge = joint_of(tmp_path, f'source = "{name}"\n{keys}\ncolumns = {columns}')
     np.testing.assert_allclose(hinge.values[:, 0], np.arange(200.0))
     np.testing.assert_allclose(hinge.time, np.arange(200) / 100)
+
+
+def test_invalid_values_of_mdf_are_drop_outs_at_their_stamps(tmp_path):
+    flags = np.eye(20, dtype=bool)
+    with MDF(version="4.10") as file:
+        signals = [
+            MdfSignal(k * np.arange(20.0), TIME[:20], name=name, invalidation_bits=flags[3 * k])
+            for k, name in enumerate("ab", 1)
+        ]
+        file.append(signals)
+        file.save(tmp_path / "log.mf4")
+    both = joint_of(tmp_path, 'source = "log.mf4"\ntime = "log"\ncolumns = ["a", "b"]\nsum = true')
+    np.testing.assert_allclose(both.time, TIME[:20])
+    np.testing.assert_array_equal(
+        both.values[:, 0], np.where(flags[3] | flags[6], np.nan, 3 * np.arange(20.0))
+    )
+
+
+def test_columns_of_mdf_groups_with_other_stamps_are_refused(tmp_path):
+    with MDF(version="4.10") as file:
+        file.append([MdfSignal(ANGLE, TIME, name="a")])
+        file.append([MdfSignal(ANGLE, TIME + 5, name="b")])
+        file.save(tmp_path / "log.mf4")
+    with pytest.raises(InvalidFile, match="'b' has other stamps than 'a'"):
+        joint_of(tmp_path, 'source = "log.mf4"\ntime = "log"\ncolumns = ["a", "b"]\nsum = true')
+
+
+def test_waveforms_of_tdms_with_other_intervals_are_refused(tmp_path):
+    with TdmsWriter(str(tmp_path / "log.tdms")) as file:
+        each = [
+            ChannelObject("g", n, ANGLE, properties={"wf_increment": h}) for n, h in (("a", 0.1), ("b", 0.2))
+        ]
+        file.write_segment(each)
+    with pytest.raises(InvalidFile, match="'b' has other stamps than 'a'"):
+        joint_of(tmp_path, 'source = "log.tdms"\ntime = "log"\ncolumns = ["a", "b"]\nsum = true')
+
+
+def test_the_unit_of_a_channel_of_stamps_counts(tmp_path):
+    with TdmsWriter(str(tmp_path / "log.tdms")) as file:
+        stamps = ChannelObject("g", "clock", TIME * 1e3, properties={"unit_string": "ms"})
+        file.write_segment([stamps, ChannelObject("g", "a", ANGLE)])
+    with MDF(version="4.10") as file:
+        file.append([MdfSignal(TIME * 1e6, TIME, name="clock", unit="us"), MdfSignal(ANGLE, TIME, name="a")])
+        file.save(tmp_path / "log.mf4")
+    for name in ("log.tdms", "log.mf4"):
+        hinge = joint_of(tmp_path, f'source = "{name}"\ntime = "clock"\ncolumns = ["a"]')
+        np.testing.assert_allclose(hinge.time, TIME, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("units", "seconds"),
+    [
+        ("hours since 2026-01-01", 3600.0),
+        ("d", 86400.0),
+        ("microsec", 1e-6),
+        ("minutes since 2026-01-01", 60.0),
+    ],
+)
+def test_units_of_time_of_netcdf_are_read_as_they_are_spelt(units, seconds, tmp_path):
+    with netcdf_file(tmp_path / "log.nc", "w") as file:
+        file.createDimension("time", N)
+        for name, values in (("time", TIME / seconds), ("a", ANGLE)):
+            file.createVariable(name, float, ("time",))[:] = values
+        file.variables["time"].units = units
+    hinge = joint_of(tmp_path, 'source = "log.nc"\ntime = "time"\ncolumns = ["a"]')
+    np.testing.assert_allclose(hinge.time, TIME, atol=1e-9)
+
+
+def test_a_unit_of_stamps_that_is_not_known_must_be_stated(tmp_path):
+    with netcdf_file(tmp_path / "log.nc", "w") as file:
+        file.createDimension("time", N)
+        for name, values in (("time", TIME), ("a", ANGLE)):
+            file.createVariable(name, float, ("time",))[:] = values
+        file.variables["time"].units = "ticks since 2026-01-01"
+    keys = 'source = "log.nc"\ntime = "time"\ncolumns = ["a"]'
+    with pytest.raises(InvalidFile, match=r"time_unit.*the unit 'ticks since 2026-01-01' of the source"):
+        joint_of(tmp_path, keys)
+    np.testing.assert_allclose(joint_of(tmp_path, keys + '\ntime_unit = "s"').time, TIME)
 
 
 def joint_of(folder, keys):

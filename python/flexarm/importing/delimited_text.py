@@ -178,7 +178,7 @@ def _whole(cells: Sequence[str], decimal: str) -> bool | None:
     pattern = _NUMBER if decimal == "." else _DECIMAL_COMMA
     if not values or not all(pattern.fullmatch(cell) for cell in values):
         return None
-    return len(values) == len(cells) and all(re.fullmatch(r"[+-]?\d{1,18}", cell) for cell in values)
+    return len(values) == len(cells) and all(re.fullmatch(r"[+-]?\d{1,19}", cell) for cell in values)
 
 
 def _fits(cells: Sequence[str], numeric: Sequence[bool], decimal: str) -> bool:
@@ -224,6 +224,10 @@ class DelimitedText(Source):
     def groups(self) -> list[Group]:
         """Return the only table."""
         return [Group(None, self.layout.names, units=self.layout.units)]
+
+    def time_unit(self, topic: str | None, index: int) -> str:
+        """Return the unit of a column, where a line gives it."""
+        return dict(enumerate(self.layout.units)).get(index, "")
 
     def array(self, topic: str | None, index: int) -> Array:
         """Return a column; the first call reads all that is asked for."""

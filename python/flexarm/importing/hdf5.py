@@ -11,15 +11,6 @@ from flexarm.importing.source import Array, Group
 from flexarm.importing.tree import Tree
 from flexarm.reading import BoundedFile, has_endless_heap, room
 
-TIME_WORDS = {
-    "s": ("s", "sec", "second", "seconds"),
-    "ms": ("ms", "msec", "millisecond", "milliseconds"),
-    "us": ("us", "usec", "microsecond", "microseconds"),
-    "ns": ("ns", "nsec", "nanosecond", "nanoseconds"),
-    "min": ("min", "minute", "minutes"),
-}
-"""How files spell units of time."""
-
 
 def _unpacked(values: Array, attributes: Mapping[str, Any]) -> Array:
     """Return values with fill values as NaN, scaled as the conventions of NetCDF have it."""
@@ -77,11 +68,9 @@ class Hdf5File(Tree):
             room(self.path, path, (item.size or 0) * item.dtype.itemsize)
             return _unpacked(item[part] if part else item[()], dict(item.attrs))
 
-    def time_unit(self, topic: str | None, index: int) -> str | None:
+    def time_unit(self, topic: str | None, index: int) -> str:
         """Return the unit that the attribute `units` states, such as `ns since 1970-01-01`."""
-        path = self.path_of(topic, self.names(topic)[index])
-        word = (self.units[path].lower().split() or [""])[0]
-        return next((unit for unit, words in TIME_WORDS.items() if word in words), None)
+        return self.units[self.path_of(topic, self.names(topic)[index])]
 
     def groups(self) -> list[Group]:
         """Return variables by group, with their units."""

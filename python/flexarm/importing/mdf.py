@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexarm.arm.consistency import missing
-from flexarm.importing.source import LOG, Array, Group, Source, Unreadable, needed
+from flexarm.importing.source import LOG, Array, Group, Source, Unreadable, needed, shared_stamps
 
 
 class MdfLog(Source):
@@ -47,22 +47,42 @@ class MdfLog(Source):
         """Return a channel, in its physical values."""
         with self._open() as file:
             _, group, number = self._channels(file, topic)[index]
-            return np.asarray(file.get(group=group, index=number).samples)
+            signal = file.get(group=group, index=number, ignore_invalidation_bits=True)
+            samples, invalid = np.asarray(signal.samples), signal.invalidation_bits
+            if invalid is None or not np.any(invalid):
+                return samples
+            samples = samples.astype(float if samples.dtype.kind in "fiub" else object)
+            samples[np.asarray(invalid, dtype=bool)] = np.nan
+            return samples
 
     def log_time(self, topic: str | None, indices: Sequence[int]) -> tuple[Array, str]:
         """Return the time of the group's master from the start of the measurement."""
         with self._open() as file:
-            _, group, number = self._channels(file, topic)[indices[0]]
-            return np.asarray(file.get(group=group, index=number).timestamps), "s"
+            channels = self._channels(file, topic)
+            masters: dict[int, tuple[str, tuple[Array, str]]] = {}
+            for name, group, _ in (channels[index] for index in indices):
+                unit = _unit_of(file, group, file.masters_db.get(group)) or "s"
+                masters.setdefault(group, (name, (np.asarray(file.get_master(group)), unit)))
+            return shared_stamps(list(masters.values()))
+
+    def time_unit(self, topic: str | None, index: int) -> str:
+        """Return the unit of a channel."""
+        with self._open() as file:
+            _, group, number = self._channels(file, topic)[index]
+            return _unit_of(file, group, number)
 
     def groups(self) -> list[Group]:
         """Return the groups."""
         found: dict[int, list[tuple[str, str]]] = {}
         with self._open() as file:
             for name, group, number in self._channels(file, None):
-                unit = str(getattr(file.groups[group].channels[number], "unit", "") or "")
-                found.setdefault(group, []).append((name, unit))
+                found.setdefault(group, []).append((name, _unit_of(file, group, number)))
         return [
             Group(str(k + 1), tuple(n for n, _ in names), LOG, units=tuple(u for _, u in names))
             for k, names in found.items()
         ]
+
+
+def _unit_of(file: Any, group: int, number: int | None) -> str:
+    channels = file.groups[group].channels
+    return "" if number is None else str(getattr(channels[number], "unit", "") or "")

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
+from flexarm.importing.time_unit import seconds_of
 
 if TYPE_CHECKING:
     from flexarm.importing.map_file import Dialect
@@ -125,9 +126,9 @@ class Source(ABC):
         what = "has no time of its own; name a column of stamps, or say { rate_hz = } if there is none"
         raise Unreadable("time", what)
 
-    def time_unit(self, topic: str | None, index: int) -> str | None:
-        """Return the unit of a column of stamps, where the source says it."""
-        return None
+    def time_unit(self, topic: str | None, index: int) -> str:
+        """Return the unit of a column of stamps as the source spells it; empty where it says none."""
+        return ""
 
     def place(self, topic: str | None, row: int) -> str:
         """Return where a row stands, counted from 0."""
@@ -208,7 +209,11 @@ class Source(ABC):
             return found.astype(kind).astype(np.int64), "ns"
         if found.dtype.kind not in "iu":
             found = as_numbers(found, lambda row: self.place(topic, row), f"column {column!r}", "time")
-        return found, self.time_unit(topic, index)
+        unit = self.time_unit(topic, index)
+        bracketed = re.search(r"[\[(]([^\[\]()]+)[\])]\s*$", self.names(topic)[index])
+        if not unit and bracketed and seconds_of(bracketed[1]) is not None:
+            unit = bracketed[1]
+        return found, unit or None
 
     def _joined(self, topic: str | None, columns: Sequence[str | int]) -> Array:
         """Return texts of several columns, joined by blanks."""
@@ -217,6 +222,19 @@ class Source(ABC):
             index, pick = self.find(topic, column, "time")
             texts.append(self._row(topic, index, pick, None, f"column {column!r}").tolist())
         return np.array([" ".join(map(str, row)) for row in zip(*texts, strict=True)])
+
+
+def shared_stamps(stamps: Sequence[tuple[str, tuple[Array, str]]]) -> tuple[Array, str]:
+    """Return the stamps that named columns share, and their unit.
+
+    Raise Unreadable if they have different ones.
+    """
+    (first, found), *others = stamps
+    for name, (time, unit) in others:
+        if unit != found[1] or not np.array_equal(time, found[0]):
+            what = f"column {name!r} has other stamps than {first!r}; it needs a signal of its own"
+            raise Unreadable("time", what)
+    return found
 
 
 def one_row(array: Array, pick: int | None, rows: int | None, what: str) -> Array:

@@ -59,6 +59,10 @@ class Spreadsheet(Source):
             Group(name, tuple(names), units=tuple(units)) for name, names, units, _, rows in found if rows
         ]
 
+    def time_unit(self, topic: str | None, index: int) -> str:
+        """Return the unit of a column, where a row gives it."""
+        return dict(enumerate(self._sheet(topic)[1])).get(index, "")
+
     def array(self, topic: str | None, index: int) -> Array:
         """Return a column."""
         cells = [row[index] for row in self._sheet(topic)[3]]

@@ -17,9 +17,10 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.importing.map_file import Every, SignalMap
 from flexarm.importing.source import Array, Samples, Unreadable
+from flexarm.importing.time_unit import seconds_of
 from flexarm.record.table import Clock
 from flexarm.tables.ranges import range_of
-from flexarm.units import si_factor
+from flexarm.units import factor_to, si_factor
 
 CALENDAR = 1e8
 """Stamps beyond [s], three years, are of a clock that counts from a date, not from its start."""
@@ -67,11 +68,22 @@ def stamps_of(table: SignalMap, samples: Samples, place: Callable[[int], str]) -
     if raw.dtype.kind not in "iuf":
         what = f"stamps are texts such as {str(raw[0])[:40]!r}; time_format says how they are written"
         raise Unreadable("time", what)
-    if said and table.time_unit and si_factor(said, ("s",)) != si_factor(table.time_unit, ("s",)):
-        raise Unreadable("time_unit", f"is {table.time_unit!r}, but the source says {said!r}")
-    factor = si_factor(said or table.time_unit or "s", ("s",))[1]
+    factor = _factor(table.time_unit, said)
     _check(raw, factor, place)
     return Stamps(raw, factor)
+
+
+def _factor(stated: str | None, said: str | None) -> float:
+    """Return the seconds of the unit that the map states or the source says; without either they are s."""
+    seconds = seconds_of(said or "")
+    if stated is None:
+        if said and seconds is None and factor_to("1", said) is None:
+            raise Unreadable("time_unit", f"is missing; the unit {said!r} of the source is none of time")
+        return 1.0 if seconds is None else seconds
+    factor = si_factor(stated, ("s",))[1]
+    if seconds not in (None, factor):
+        raise Unreadable("time_unit", f"is {stated!r}, but the source says {said!r}")
+    return factor
 
 
 def _parsed(texts: Array, form: str, place: Callable[[int], str]) -> Array:

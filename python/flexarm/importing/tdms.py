@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexarm.arm.consistency import missing
-from flexarm.importing.source import LOG, Array, Group, Source, Unreadable, needed
+from flexarm.importing.source import LOG, Array, Group, Source, Unreadable, needed, shared_stamps
 from flexarm.reading import BoundedFile
 
 
@@ -39,18 +39,13 @@ class TdmsLog(Source):
     def log_time(self, topic: str | None, indices: Sequence[int]) -> tuple[Array, str]:
         """Return the time of a waveform: since 1970 [ns] if it has a start, else from zero [s]."""
         with self._group(topic) as group:
-            channel = group.channels()[indices[0]]
-            said = channel.properties
-            if not said.get("wf_increment"):
-                what = (
-                    f"channel {channel.name!r} is no waveform; name a channel of stamps, or {{ rate_hz = }}"
-                )
-                raise Unreadable("time", what)
-            time = said.get("wf_start_offset", 0.0) + said["wf_increment"] * np.arange(len(channel))
-            start = said.get("wf_start_time")
-            if start is None:
-                return time, "s"
-            return np.datetime64(start, "ns").astype(np.int64) + np.rint(1e9 * time).astype(np.int64), "ns"
+            channels = group.channels()
+            return shared_stamps([(channels[i].name, _waveform_time(channels[i])) for i in indices])
+
+    def time_unit(self, topic: str | None, index: int) -> str:
+        """Return the unit of a channel."""
+        with self._group(topic) as group:
+            return str(group.channels()[index].properties.get("unit_string", ""))
 
     def groups(self) -> list[Group]:
         """Return the groups."""
@@ -63,3 +58,16 @@ class TdmsLog(Source):
                 names = tuple(channel.name for channel in channels)
                 found.append(Group(group.name, names, LOG if waveform else None, units=units))
         return found
+
+
+def _waveform_time(channel: Any) -> tuple[Array, str]:
+    """Return the stamps of a waveform, and their unit."""
+    said = channel.properties
+    if not said.get("wf_increment"):
+        what = f"channel {channel.name!r} is no waveform; name a channel of stamps, or {{ rate_hz = }}"
+        raise Unreadable("time", what)
+    time = said.get("wf_start_offset", 0.0) + said["wf_increment"] * np.arange(len(channel))
+    start = said.get("wf_start_time")
+    if start is None:
+        return time, "s"
+    return np.datetime64(start, "ns").astype(np.int64) + np.rint(1e9 * time).astype(np.int64), "ns"

@@ -18,6 +18,7 @@ from flexarm.importing.guess.words import COUNTED, Meaning, is_stamp, meaning_of
 from flexarm.importing.map_file import Dialect
 from flexarm.importing.source import LOG, Array, Group, Request, Source, Unreadable
 from flexarm.importing.stamps import CALENDAR
+from flexarm.importing.time_unit import seconds_of
 from flexarm.reading import reading
 from flexarm.units import factor_to
 
@@ -262,18 +263,19 @@ def _seconds(
     """Return stamps with their unit: as the source or the name says it, else by their size and interval."""
     time = np.array([]) if raw is None else np.asarray(raw, dtype=float)
     unit, reason = said, "the source says its unit"
-    if said is None:
+    known = None if said is None else seconds_of(said)
+    if known is None:
         unit = hint if hint and factor_to("s", hint) is not None else ""
         reason = "its name says the unit"
     if not unit:
         unit, reason = _unit_by_size(time)
         unknown = unknown or "" if reason else "unit of the stamps"
-    seconds = time * float(factor_to("s", unit or "s") or 1.0)
+    seconds = time * ((factor_to("s", unit or "s") or 1.0) if known is None else known)
     steps = np.diff(np.unique(seconds))  # messages of several senders may share their stamps
     rate = 1 / float(np.median(steps)) if len(steps) else 0.0
     told = "; ".join(part for part in (why, reason, f"{rate:.4g} Hz") if part)
     start = float(seconds[0]) if len(seconds) else 0.0
-    return Stamped(column, None if said else unit, seconds - start, start, told, unknown)
+    return Stamped(column, None if known else unit, seconds - start, start, told, unknown)
 
 
 def _unit_by_size(time: Floats) -> tuple[str, str]:
