@@ -253,6 +253,12 @@ def test_the_unit_that_a_table_gives_its_stamps_counts(rows, tmp_path):
     np.testing.assert_allclose(hinge.time, 0.01 * np.arange(30) + 0.0005)
 
 
+def test_a_row_without_a_pose_is_an_error(tmp_path):
+    text = HINGE.replace('time = "time"', 'pose = "pose"').replace('drive = "hinge"', 'kind = "static"')
+    (line,) = problems(tmp_path, text, log_csv="pose,angle\nA,0.1\n,0.2\nB,0.3\n")
+    assert "line 3: a row needs a pose, got none" in line
+
+
 def test_clocks_that_are_known_share_an_origin_and_unknown_ones_need_not(tmp_path):
     clocks = '[clocks]\nrobot = 0.0\ntracker = "unknown"\n[[signals]]'
     text = (HINGE + TIP.replace("log.csv", "tracker.csv") + 'clock = "tracker"\n').replace(

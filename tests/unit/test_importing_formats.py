@@ -252,6 +252,19 @@ def test_words_of_gsi_are_metres_and_degrees(text, wanted, tmp_path):
             np.testing.assert_allclose(source.array(None, k), values, rtol=1e-6)
 
 
+def test_names_of_gsi_points_hold_any_characters(tmp_path):
+    names = ["TP-1", "A.2", "#7", "P 5"]
+    lines = [f"*11{k:04d}+{name:0>16} 81..40+{k:016d} 82..40+{0:016d}" for k, name in enumerate(names, 1)]
+    (tmp_path / "job.gsi").write_text("\n".join(lines))
+    (tmp_path / "map.toml").write_text(
+        'format = "flexarm-map/1"\nkind = "static"\n[[signals]]\nname = "tip"\nsource = "job.gsi"\n'
+        'pose = "point"\ncolumns = ["x", "y"]\naxes = ["x", "y"]\nquantity = "position"\npoint = "tip"\n'
+    )
+    tip = flexarm.import_record(tmp_path / "map.toml").signals["tip"]
+    assert tip.pose.tolist() == names
+    np.testing.assert_allclose(tip.values[:, 0], [1e-3, 2e-3, 3e-3, 4e-3])
+
+
 def test_a_gsi_file_of_targets_becomes_a_record_of_poses(tmp_path):
     (tmp_path / "job.gsi").write_text(GSI_8)
     (tmp_path / "angles.csv").write_text("point,angle\n17,0.1\n18,0.2\n")

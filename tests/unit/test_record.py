@@ -240,6 +240,24 @@ def test_any_values_survive_writing_and_reading(
     np.testing.assert_array_equal(again.time, tip.time)
 
 
+@pytest.mark.parametrize(
+    "poses", [("#1", "#2", "a"), ("1,2", '"b"', "c d"), ("20260914100300123", "20260914100300124", "x")]
+)
+def test_any_names_of_poses_and_columns_survive_writing_and_reading(poses, tmp_path: Path) -> None:
+    tip = Signal(name="tip", quantity="position", point="tip", axes=("x", "z"), values=np.ones((3, 2)),
+                 pose=poses, channels=("x, m", '"z"'), time_column="#pose")  # fmt: skip
+    Record(signals=[tip], kind="static").save(tmp_path / "run")
+    again = Record.load(tmp_path / "run").signals["tip"]
+    assert again.pose is not None and tuple(again.pose) == poses
+    assert again.channels == tip.channels
+
+
+def test_names_of_columns_that_would_not_read_back_are_refused(tmp_path: Path) -> None:
+    tip = Signal(name="tip", quantity="joint_angle", joint="a", values=[1.0], time=[0.0], channels=("a\nb",))
+    with pytest.raises(InvalidParameter, match="on one line"):
+        Record(signals=[tip]).save(tmp_path / "run")
+
+
 def test_signals_of_one_name_of_file_and_other_instants_get_files_of_their_own(tmp_path: Path) -> None:
     a = Signal(name="a", quantity="joint_angle", joint="a", time=[0, 1], values=[1, 2], file="log.csv")
     b = Signal(name="b", quantity="joint_angle", joint="b", time=[0, 2], values=[3, 4], file="log.csv")

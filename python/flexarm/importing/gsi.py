@@ -39,7 +39,8 @@ UNITS = {index: "deg" if index in ("21", "22") else "m" for index in NAMES if in
 """Index of a word that holds a number -> unit in which its column comes."""
 FACTORS = {"0": 1e-3, "1": 0.3048e-3, "6": 1e-4, "7": 0.3048e-4, "8": 1e-5, "2": 0.9e-5, "3": 1e-5}
 """Sign of a unit -> factor of the digits to m or deg."""
-_WORD = re.compile(r"\*?(\d\d)[\d.]{3}([\d.])([+-])(\w{8,16})(?:\s|$)")
+_WORD = r"(\d\d)[\d.]{3}([\d.])([+-])(.{%d})(?:\s|$)"
+"""Index, unit, sign and digits of a word, or any characters of a name."""
 
 
 class GsiFile(Source):
@@ -50,7 +51,7 @@ class GsiFile(Source):
         """Columns by name, NaN or an empty text where a block has no such word."""
         rows: list[dict[str, float | str]] = []
         for line in self.path.read_text(encoding="ascii", errors="replace").splitlines():
-            if words := _WORD.findall(line):
+            if words := re.findall(_WORD % (16 if line.startswith("*") else 8), line):
                 rows.append({NAMES.get(word[0], word[0]): _value(*word) for word in words})
         names = dict.fromkeys(name for row in rows for name in row)
         texts = {name for row in rows for name, value in row.items() if isinstance(value, str)}
@@ -77,7 +78,7 @@ class GsiFile(Source):
 def _value(index: str, unit: str, sign: str, digits: str) -> float | str:
     """Return a value in m or deg, or a text; names of points hold the number of the block, not a unit."""
     if index not in UNITS:
-        return digits.lstrip("0") or "0"
+        return digits.strip().lstrip("0").strip() or "0"
     if unit == "4" and digits.isdecimal():
         whole, minutes, seconds = int(digits[:-5]), int(digits[-5:-3]), int(digits[-3:]) / 10
         return (-1 if sign == "-" else 1) * (whole + minutes / 60 + seconds / 3600)

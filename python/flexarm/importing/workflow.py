@@ -206,6 +206,9 @@ class _Importer:
         def place(row: int) -> str:
             return source.place(signal.topic, int(rows[row]) if isinstance(rows, np.ndarray) else row)
 
+        if signal.pose is not None and "" in (poses := _poses(taken.others[0])):
+            row = int(np.flatnonzero(poses == "")[0])
+            raise Unreadable("pose", f"{place(row)}: a row needs a pose, got none")
         if self.table.kind == "frequency_response":
             check_frequencies(taken.others[0], place)
         if self.table.kind != "motion":
@@ -219,7 +222,7 @@ class _Importer:
         static = self.table.kind == "static"
         pose = None
         if static and table.pose is not None:
-            pose = np.array([canonical_pose(str(value).strip()) for value in samples.others[0].tolist()])
+            pose = _poses(samples.others[0])
         elif static:
             pose = np.array([str(row + 1) for row in range(len(samples.values))])
         clock = table.clock or next(iter(origin), "")
@@ -256,6 +259,12 @@ def request_of(signal: SignalMap) -> Request:
         tuple(others),
         signal.time_format is not None,
     )
+
+
+def _poses(column: Array) -> Array:
+    """Return the names of poses on one line each; empty where a row has none."""
+    texts = ["" if value is None or value != value else str(value) for value in column.tolist()]
+    return np.array([canonical_pose(" ".join(text.split())) for text in texts])
 
 
 def _chosen(signal: SignalMap, samples: Samples) -> Array | slice:

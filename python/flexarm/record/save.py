@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.arrays import Floats
+from flexarm.errors import InvalidParameter
 from flexarm.output import output_file, write_file
 from flexarm.record.signal import Signal
 from flexarm.tables import toml_text
@@ -119,7 +120,7 @@ def _write_csv(path: Path, signals: list[Signal]) -> None:
     """Numbers in the shortest form that reads back exactly; drop-outs as empty cells."""
     first = signals[0]
     names = [name for signal in signals for name, _ in _columns(signal)]
-    header = ",".join([first.time_column, *names])
+    header = ",".join(map(_text_cell, [first.time_column, *names]))
     blocks = [slice(start, start + BLOCK) for start in range(0, len(first), BLOCK)]
     with output_file(path) as partial, partial.open("wb") as file:
         file.write(f"{header}\n".encode())
@@ -136,7 +137,7 @@ def _by_python(signals: list[Signal], rows: slice) -> bytes:
     """Return rows as text."""
     first = signals[0]
     stamps = _stamps(first)[rows].tolist()
-    columns = [list(map(repr, stamps)) if first.pose is None else stamps]
+    columns = [list(map(repr if first.pose is None else _pose_cell, stamps))]
     columns += [_cells(column[rows]) for signal in signals for _, column in _columns(signal)]
     return ("\n".join(map(",".join, zip(*columns, strict=True))) + "\n").encode()
 
@@ -151,6 +152,21 @@ def _by_arrow(signals: list[Signal], rows: slice) -> memoryview:
     sink = pa.BufferOutputStream()
     csv.write_csv(table, sink, csv.WriteOptions(include_header=False))
     return memoryview(sink.getvalue())
+
+
+def _pose_cell(pose: str) -> str:
+    return _text_cell(" ".join(pose.split()))
+
+
+def _text_cell(text: str) -> str:
+    """Return a name as a cell, in quotes where it would read as several cells or as a comment.
+
+    Raise InvalidParameter if it does not read back at all.
+    """
+    if not text or text != text.strip() or len(text.splitlines()) > 1:
+        what = "names of poses and columns are texts on one line, without blanks around"
+        raise InvalidParameter(f"{what}, got {text!r}")
+    return '"' + text.replace('"', '""') + '"' if any(mark in text for mark in '#",') else text
 
 
 def _cells(column: Floats) -> list[str]:

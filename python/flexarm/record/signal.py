@@ -307,4 +307,5 @@ def canonical_pose(pose: str) -> str:
         number = float(pose)
     except ValueError:
         return pose
-    return str(int(number)) if number.is_integer() else pose
+    exact = abs(number) < 2**53  # neighbouring whole numbers differ as doubles
+    return str(int(number)) if exact and number.is_integer() else pose
