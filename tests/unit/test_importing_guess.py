@@ -127,6 +127,33 @@ def test_a_unit_with_which_the_model_meets_the_point_is_known(logs):
     assert text.count("with other units") == 2
 
 
+def test_a_unit_with_which_the_model_is_far_nearer_to_the_point_is_taken(logs):
+    """The tracker sees one swing; degrees of the output move the point more nearly as far as all of them."""
+    t = np.arange(0, 8, 0.004)
+    pan = np.radians(170) * np.sin(0.9 * t)
+    rows = "".join(f"{a:.3f},{np.degrees(q) * RATIO['pan']:.6f}\n" for a, q in zip(t, pan, strict=True))
+    (logs / "robot.csv").write_text(f"time,pan_motor_deg\n{rows}")
+    part = slice(600, 1150, 5)
+    seen = t[part]
+    xyz = [2 * np.cos(pan[part]), 2 * np.sin(pan[part]), np.ones(len(seen))]
+    rows = "".join(f"{a:.3f},{x:.6f},{y:.6f},{z:.6f}\n" for a, x, y, z in zip(seen, *xyz, strict=True))
+    (logs / "tracker.csv").write_text(f"time,x,y,z\n{rows}")
+    data, text = guessed(logs, "robot.csv", "tracker.csv")
+    assert data["signals"][0]["before_gear"] is True
+    assert "# unknown: unit" not in text
+
+
+def test_columns_with_the_bare_names_of_joints_are_their_angles(logs):
+    t = np.arange(0, 8, 0.02)
+    write_robot(logs, angles(t), t)
+    data, _ = guessed(logs, "robot.csv", "tracker.csv")
+    drives = data["signals"][:2]
+    assert [(each["joint"], each["quantity"], each["unit"]) for each in drives] == [
+        ("pan", "joint_angle", "rad"),
+        ("lift", "joint_angle", "rad"),
+    ]
+
+
 def test_what_is_proposed_can_be_imported_and_is_true(logs):
     guessed(logs, "robot.csv", "tracker.csv")
     record = flexarm.import_record(logs / "map.toml")

@@ -262,20 +262,20 @@ def _seconds(
 ) -> Stamped:
     """Return stamps with their unit: as the source or the name says it, else by their size and interval."""
     time = np.array([]) if raw is None else np.asarray(raw, dtype=float)
-    unit, reason = said, "the source says its unit"
-    known = None if said is None else seconds_of(said)
-    if known is None:
-        unit = hint if hint and factor_to("s", hint) is not None else ""
-        reason = "its name says the unit"
-    if not unit:
+    known, named = seconds_of(said or ""), factor_to("s", hint)
+    unit: str | None = hint
+    reason = "its name says the unit"
+    if named is None or known not in (None, named):
+        unit, reason = None, "the source says its unit"
+    if unit is None and known is None:
         unit, reason = _unit_by_size(time)
         unknown = unknown or "" if reason else "unit of the stamps"
-    seconds = time * ((factor_to("s", unit or "s") or 1.0) if known is None else known)
+    seconds = time * (known or factor_to("s", unit or "s") or 1.0)
     steps = np.diff(np.unique(seconds))  # messages of several senders may share their stamps
     rate = 1 / float(np.median(steps)) if len(steps) else 0.0
     told = "; ".join(part for part in (why, reason, f"{rate:.4g} Hz") if part)
     start = float(seconds[0]) if len(seconds) else 0.0
-    return Stamped(column, None if known else unit, seconds - start, start, told, unknown)
+    return Stamped(column, unit, seconds - start, start, told, unknown)
 
 
 def _unit_by_size(time: Floats) -> tuple[str, str]:

@@ -83,6 +83,17 @@ class Proposal:
         units = QUANTITIES[self.quantity].units
         return unit_factor(self.keys.get("unit", units[0]), units) if units else 1.0
 
+    def take(self, option: Option) -> None:
+        """Give its unit, and whether it is before the gear."""
+        for values in (self.keys, self.why):
+            values.pop("before_gear", None)
+            values.pop("unit", None)
+        self.keys["unit"], geared = option
+        if self.first.meaning.unit:
+            self.why["unit"] = "the log says it"
+        if geared:
+            self.keys["before_gear"] = True
+
     @property
     def counts(self) -> bool:
         """True for the counts of an encoder."""

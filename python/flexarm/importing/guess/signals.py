@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.importing.guess.logged import Logged
+from flexarm.importing.guess.logged import Logged, counted
 from flexarm.importing.guess.motion import ALIKE_SPEEDS, Track, agreement, rigid_track
 from flexarm.importing.guess.proposal import Proposal, drives_of
 from flexarm.importing.guess.words import VECTORS, matched, words_of
@@ -49,6 +50,20 @@ def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
                 proposal.unknown["side"] = "before or behind the gear; motor is taken"
         found.append(proposal)
     return found
+
+
+def named_after_joints(columns: Sequence[Logged], arm: Arm) -> list[Logged]:
+    """Return the columns, as angles those that have the bare name of a joint."""
+    joints = {" ".join(words_of(joint.name)) for joint in arm.moving_joints}
+    return [
+        replace(
+            column, meaning=counted(replace(m, quantity="joint_angle", why="a joint's name"), column.values)
+        )
+        if not (m.quantity or m.unit or m.axis) and m.stem in joints
+        else column
+        for column in columns
+        for m in [column.meaning]
+    ]
 
 
 def _is_way(column: Logged, arm: Arm) -> bool:

@@ -51,10 +51,9 @@ def settle_signs(proposals: Sequence[Proposal], arm: Arm) -> None:
     drives = drives_of(proposals)
     known, counted = [p for p in drives if not p.counts], [p for p in drives if p.counts]
     if seen is not None and known and len(known) <= most_joints:
-        joints = {p.place[1]: in_output(p, arm) for p in known}
-        left = _leaves(arm, seen, joints)
+        _settle_units(known, seen, arm)
+        left = _leaves(arm, seen, {p.place[1]: in_output(p, arm) for p in known})
         tried = [Hypothesis(signs, None, left(signs)) for signs in _signs(known)]
-        _exclude_units(min(h.left.rms for h in tried), known, seen, arm)
         _give_signs(tried, known, seen)
     if seen is not None and counted and len(counted) <= most_joints:
         still, *tried = _tried_counts(arm, seen, known, counted)
@@ -105,23 +104,26 @@ def _tried_counts(
             yield Hypothesis(signs, option, left(signs))
 
 
-def _exclude_units(least: float, joints: Sequence[Proposal], seen: Proposal, arm: Arm) -> None:
-    """Drop other units of the joints where each leaves far more than the `least` with those taken."""
-    rivals = {option for proposal in joints for option in proposal.rivals}
-    if not rivals:
+def _settle_units(joints: Sequence[Proposal], seen: Proposal, arm: Arm) -> None:
+    """Take the unit with which the model comes far nearer to the point than with the rivals, if one does."""
+    options = [None, *dict.fromkeys(option for proposal in joints for option in proposal.rivals)]
+    if len(options) == 1:
         return
-    with_rivals = []
-    for option in rivals:
+    left = {}
+    for option in options:
         tracks = {p.place[1]: in_output(p, arm, option if option in p.rivals else None) for p in joints}
-        left = _leaves(arm, seen, tracks)
-        with_rivals.append(min(left(signs).rms for signs in _signs(joints)))
-    if least > NEARER * min(with_rivals):
+        leaves = _leaves(arm, seen, tracks)
+        left[option] = min(leaves(signs).rms for signs in _signs(joints))
+    best, second = sorted(options, key=lambda option: left[option])[:2]
+    if left[best] > NEARER * left[second]:
         return
+    near = f"the model comes to within {_size(left[best])} rms, {_size(left[second])} with other units"
     for proposal in (p for p in joints if p.rivals):
         proposal.unknown.pop("unit", None)
-        near = f"comes to within {_size(least)} rms, {_size(min(with_rivals))} with other units"
+        if best in proposal.rivals:
+            proposal.take(best)
         key = "unit" if "unit" in proposal.why else "before_gear"
-        proposal.why[key] += f"; {near}"
+        proposal.why[key] = "; ".join(filter(None, (proposal.why.get(key), near)))
 
 
 def _give_signs(tried: Sequence[Hypothesis], joints: Sequence[Proposal], seen: Proposal) -> None:

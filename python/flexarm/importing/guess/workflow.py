@@ -22,6 +22,7 @@ from flexarm.importing.guess.proposal import Proposal, drives_of
 from flexarm.importing.guess.settled import settle_motion, settle_noise, settle_units
 from flexarm.importing.guess.signals import (
     joint_signals,
+    named_after_joints,
     of_joint_type,
     point_signals,
     settle_doubles,
@@ -46,6 +47,7 @@ def guess_map(files: Iterable[Path], model: str | Path, out: str | Path) -> str:
         for path in map(Path, files)
         for column in logged(path, os.path.relpath(path.absolute(), folder).replace(os.sep, "/"))
     ]
+    columns = named_after_joints(columns, arm)
     stamped = [column for column in columns if column.time.column is not None] or columns
     proposals = [*joint_signals(stamped, arm), *point_signals(stamped, arm)]
     settle_places(proposals, arm)
