@@ -6,11 +6,13 @@ import tracemalloc
 
 import h5py
 import numpy as np
+import pyarrow as pa
 import pytest
 from asammdf import MDF
 from asammdf import Signal as MdfSignal
 from log_files import ANGLE, FORMATS, JOINTS, POSE, TIME, TIP, N, map_of, ros_1
 from nptdms import ChannelObject, TdmsWriter
+from pyarrow import parquet as pq
 from scipy.io import netcdf_file, savemat
 
 import flexarm
@@ -429,6 +431,13 @@ def test_the_unit_of_a_channel_of_stamps_counts(tmp_path):
     for name in ("log.tdms", "log.mf4"):
         hinge = joint_of(tmp_path, f'source = "{name}"\ntime = "clock"\ncolumns = ["a"]')
         np.testing.assert_allclose(hinge.time, TIME, atol=1e-9)
+
+
+def test_a_row_without_an_instant_is_named(tmp_path):
+    instants = np.array(["2026-01-01", "NaT", "2026-01-03"], dtype="datetime64[ns]")
+    pq.write_table(pa.table({"time": instants, "a": [0.1, 0.2, 0.3]}), tmp_path / "log.parquet")
+    with pytest.raises(InvalidFile, match="row 2: a row needs a time, got none"):
+        joint_of(tmp_path, 'source = "log.parquet"\ntime = "time"\ncolumns = ["a"]')
 
 
 @pytest.mark.parametrize(

@@ -205,6 +205,9 @@ class Source(ABC):
         if request.stamps_are_text:
             return found, None
         if found.dtype.kind in "Mm":
+            if np.isnat(found).any():
+                row = int(np.flatnonzero(np.isnat(found))[0])
+                raise Unreadable("time", f"{self.place(topic, row)}: a row needs a time, got none")
             kind = "datetime64[ns]" if found.dtype.kind == "M" else "timedelta64[ns]"
             return found.astype(kind).astype(np.int64), "ns"
         if found.dtype.kind not in "iu":
