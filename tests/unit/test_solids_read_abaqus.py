@@ -162,6 +162,67 @@ def test_one_instance_keeps_the_names_of_its_part(tmp_path):
     assert list(mesh.point_set("base")) == [0, 1, 2]
 
 
+def test_sets_of_a_part_stay_beside_those_of_its_assembly(tmp_path):
+    """Set-1 and Set-2 are the names that Abaqus gives, in the part and again in the assembly."""
+    text = """*PART, NAME=rod
+*NODE
+1, 0, 0, 0
+2, 1, 0, 0
+3, 0, 1, 0
+4, 0, 0, 1
+5, 0, 0, -1
+*ELEMENT, TYPE=C3D4
+1, 1, 2, 3, 4
+2, 1, 3, 2, 5
+*NSET, NSET=Foot
+5
+*ELSET, ELSET=Set-1
+1
+*ELSET, ELSET=Set-2
+2
+*SURFACE, NAME=skin
+Set-1, S1
+*SOLID SECTION, ELSET=Set-1, MATERIAL=steel
+*SOLID SECTION, ELSET=SET-2, MATERIAL=foam
+*END PART
+*ASSEMBLY, NAME=all
+*INSTANCE, NAME=Rod-1, PART=rod
+*END INSTANCE
+*ELSET, ELSET=set-1, INSTANCE=Rod-1
+2
+*NSET, NSET=Foot, INSTANCE=Rod-1
+4
+*END ASSEMBLY
+*MATERIAL, NAME=steel
+*DENSITY
+7850.
+*ELASTIC
+2.1e11, 0.3
+*MATERIAL, NAME=foam
+*DENSITY
+100.
+*ELASTIC
+7e7, 0.3
+"""
+    path = tmp_path / "rod.inp"
+    path.write_text(text)
+    mesh = read_mesh(path).check()
+    assert {name: list(group["tet4"]) for name, group in mesh.cell_groups.items()} == {
+        "Rod-1.Set-1": [0],
+        "Set-2": [1],
+        "set-1": [1],
+    }
+    assert {name: material.density for name, material in mesh.materials.items()} == {
+        "Rod-1.Set-1": 7850,
+        "Set-2": 100,
+    }
+    assert {name: _numbers(mesh, name) for name in mesh.point_sets} == {
+        "Foot": [4],
+        "Rod-1.Foot": [5],
+        "skin": [1, 2, 3],
+    }
+
+
 def test_a_range_far_beyond_the_nodes_means_those_there_are(bar):
     bar.write_text(BAR.replace(" 15, 18, 1", " 15, 99999999"))
     assert _numbers(read_mesh(bar, unit="mm"), "middle") == [15, 16, 17, 18, 25, 26, 27, 28]

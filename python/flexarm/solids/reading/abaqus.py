@@ -3,7 +3,7 @@
 Read are *NODE, *ELEMENT, *NSET, *ELSET, *SURFACE, *SOLID SECTION, *MATERIAL with *ELASTIC and *DENSITY,
 *PART, *INSTANCE, *ASSEMBLY and *INCLUDE. Element sets of solids are groups; node sets, surfaces and element
 sets of shells are sets of points. In an assembly of several instances the names of a part's sets begin with
-that of the instance: `lever-1.bore`.
+that of the instance, `lever-1.bore`; of one instance, where the assembly has a set of the same name.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -32,14 +31,14 @@ class Flat:
             notes=self.notes,
         )
         for name, keys in self.scope.cell_sets.items():
-            found.groups[self._short(name, found.groups)] = self._members(keys)
+            found.groups[self._short(name, self.scope.cell_sets)] = self._members(keys)
         for name, keys in self.scope.node_sets.items():
-            found.point_sets[self._short(name, found.point_sets)] = self._points(name, keys)
+            found.point_sets[self._short(name, self.scope.node_sets)] = self._points(name, keys)
         for name, keys in self.scope.surfaces.items():
-            short = self._short(name, found.point_sets)
+            short = self._short(name, self.scope.surfaces)
             free = short if short not in found.point_sets else f"{short}-surface"
             found.point_sets[free] = self._points(name, keys)
-        found.materials = self._materials(path, materials, found.groups)
+        found.materials = self._materials(path, materials)
         return found
 
     def _blocks(self) -> list[Block]:
@@ -54,10 +53,10 @@ class Flat:
             blocks.append(Block(kind, np.array([row for _, row in cells], int), numbers))
         return blocks
 
-    def _short(self, name: str, taken: Iterable[str]) -> str:
-        """Drop the instance's name where there is only one instance."""
+    def _short(self, name: str, names: Names[list[Key]]) -> str:
+        """Drop the name of the only instance, unless the assembly has a set of the short name."""
         short = name.removeprefix(self.prefix)
-        return short if short not in taken else name
+        return name if short in names else short
 
     def _members(self, keys: list[Key]) -> dict[int, Ints]:
         members: dict[int, list[int]] = {}
@@ -73,17 +72,17 @@ class Flat:
             self.notes.append(Problem(f"set {name!r}", what))
         return np.array(there, int)
 
-    def _materials(
-        self, path: Path, materials: Names[Elastic], groups: Mapping[str, object]
-    ) -> dict[str, Elastic]:
-        found = {}
+    def _materials(self, path: Path, materials: Names[Elastic]) -> dict[str, Elastic]:
+        sets, found = self.scope.cell_sets, {}
+        groups = {name.upper(): self._short(name, sets) for name, _ in sets.items()}
         for section in self.scope.sections:
             material = materials.get(section.material)
             if material is None:
                 what = f"*SOLID SECTION: there is no *MATERIAL {section.material!r}"
                 raise InvalidFile(path, section.where, what)
             name = section.cells.removeprefix(self.prefix)
-            group = next((g for g in groups if g.upper() in (name.upper(), section.cells.upper())), None)
+            meant = (section.cells, f"{self.prefix}{name}")
+            group = next((groups[each.upper()] for each in meant if each in sets), None)
             if group is None:
                 raise InvalidFile(path, section.where, f"*SOLID SECTION: there is no element set {name!r}")
             found[group] = material
