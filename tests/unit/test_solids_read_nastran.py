@@ -54,6 +54,25 @@ def test_open_ranges_mean_the_grids_there_are(bar):
     assert list(mesh.point_numbers[mesh.point_set("spc-11")]) == [17, 18, 25, 26, 27, 28]
 
 
+@pytest.mark.parametrize(
+    ("members", "there"),
+    [
+        ("1,THRU,28,EXCEPT,2,15", [1, 3, 4, 16, 17, 18, 25, 26, 27, 28]),
+        ("1,THRU,99999999,EXCEPT,2,THRU,18", [1, 25, 26, 27, 28]),
+        ("1,THRU,4,EXCEPT,2,25,3", [1, 3, 4, 25]),  # 25 is outside the range and ends EXCEPT
+        ("1,THRU,17,BY,2,EXCEPT,3,25,THRU,28,EXCEPT,26", [1, 15, 17, 25, 27, 28]),
+    ],
+)
+def test_grids_after_except_are_not_in_the_set(bar, members, there):
+    words = members.split(",")
+    text = BAR.replace("SET 5 = 1, 3 THRU 4,\n        16", f"SET 5 = {' '.join(words)}")
+    card = f"SPC1,11,123,{','.join(words[:6])}\n,{','.join(words[6:])}"
+    bar.write_text(text.replace("SPC1,11,123,1,THRU,4", card))
+    mesh = read_mesh(bar, unit="mm")
+    assert list(mesh.point_numbers[mesh.point_set("set-5")]) == there
+    assert list(mesh.point_numbers[mesh.point_set("spc-11")]) == there
+
+
 def test_shear_modulus_stands_for_what_is_left_out(bar):
     """E = 2 G (1 + nu): G = 210000/2.6 MPa."""
     bar.write_text(

@@ -34,13 +34,17 @@ def content(path: Path) -> Content:
     return reader.finished(path)
 
 
+_Span = list[range]
+"""A range of grids, then those of its grids that EXCEPT takes out."""
+
+
 class _Reader:
     def __init__(self) -> None:
         self.grids = Grids()
         self.cells: dict[str, list[tuple[int, int, list[int], Card]]] = {}
         self.properties: dict[int, Card] = {}
         self.materials: dict[int, Card] = {}
-        self.sets: dict[str, list[range]] = {}
+        self.sets: dict[str, list[_Span]] = {}
         self.left: dict[str, int] = {}
         self.steps: Mapping[str, Callable[[Card], None]] = {
             "GRID": self.grids.take,
@@ -110,7 +114,7 @@ class _Reader:
                 grids.append(text)
         self._extend(f"rbe3-{card.integer(0)}", _range(replace(card, fields=grids), 0))
 
-    def _extend(self, name: str, grids: Iterable[range]) -> None:
+    def _extend(self, name: str, grids: Iterable[_Span]) -> None:
         self.sets.setdefault(name, []).extend(grids)
 
     def finished(self, path: Path) -> Content:
@@ -155,9 +159,11 @@ class _Reader:
         return found
 
 
-def _common(span: range, grids: Mapping[int, int]) -> Iterable[int]:
+def _common(span: _Span, grids: Mapping[int, int]) -> Iterable[int]:
     """Return the grids of a range that exist; ranges such as `1 THRU 99999999` are common."""
-    return [n for n in span if n in grids] if len(span) < len(grids) else [n for n in grids if n in span]
+    whole, *without = span
+    there = [n for n in whole if n in grids] if len(whole) < len(grids) else [n for n in grids if n in whole]
+    return [n for n in there if not any(n in left_out for left_out in without)]
 
 
 def _whole(card: Card, text: str) -> int:
@@ -175,23 +181,33 @@ def _mat1(card: Card) -> Elastic:
     return Elastic(f"line {card.line}, MAT1 {card.text(0)}", modulus, ratio, density)
 
 
-def _range(card: Card, first: int) -> list[range]:
-    """Read grids from a field on: numbers, and `a THRU b` [`BY` step]."""
+def _range(card: Card, first: int) -> list[_Span]:
+    """Read grids from a field on: numbers, and `a THRU b` [`BY` step] [`EXCEPT` numbers].
+
+    EXCEPT ends at the first number outside its range. Source: MSC Nastran Quick Reference Guide, SET.
+    """
     texts = [text.upper() for text in card.fields[first:] if text and not text.startswith("+")]
-    found: list[range] = []
+    found: list[_Span] = []
+    except_these = False
     rest = iter(texts)
     for text in rest:
         if text == "THRU" and found:
             last = _whole(card, next(rest, ""))
-            found.append(range(found.pop().start, last + 1))
+            found[-1].append(range(found[-1].pop().start, last + 1))
         elif text == "BY" and found:
             step = _whole(card, next(rest, ""))
             if step < 1:
                 raise card.error(f"BY needs a positive step, got {step}")
-            found.append(range(found[-1].start, found.pop().stop, step))
+            span = found[-1].pop()
+            found[-1].append(range(span.start, span.stop, step))
+        elif text == "EXCEPT" and found:
+            except_these = True
         elif text.isdecimal():
             number = _whole(card, text)
-            found.append(range(number, number + 1))
-        elif text not in ("ALL", "EXCEPT") and "." not in text:
+            except_these = except_these and number in found[-1][0]
+            if not except_these:
+                found.append([])
+            found[-1].append(range(number, number + 1))
+        elif text != "ALL" and "." not in text:
             raise card.error(f"must be grids or THRU, got {text!r}")
     return found
