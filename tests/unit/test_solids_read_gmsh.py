@@ -52,6 +52,39 @@ def test_version_4_gives_the_same_part(tmp_path):
     assert list(mesh.point_set("foot")) == [0, 1, 2]
 
 
+def test_a_reversed_surface_is_in_its_physical_group(tmp_path):
+    """Gmsh writes `Physical Surface("foot") = {-3}` as group -7 of surface 3."""
+    path = tmp_path / "two.msh"
+    path.write_text(GMSH_4.replace("1 1 1 1 7 0", "1 1 1 1 -7 0"))
+    assert list(read_mesh(path).point_set("foot")) == [0, 1, 2]
+    path.write_text(TWO_TETRAHEDRA.replace("10 2 2 7 ", "10 2 2 -7 "))
+    assert list(read_mesh(path).point_set("foot")) == [0, 1, 2]
+
+
+def test_a_partitioned_mesh_keeps_its_physical_groups(tmp_path):
+    """Parts of entities state their number, dimension and number of the whole, partitions, box, groups."""
+    partitioned = """$PartitionedEntities
+2
+1
+9 1
+1 0 1 2
+7 0 3 1 2 0 0 0 0
+5 2 3 1 1 0 0 0 1 1 1 1 7 0
+6 3 2 2 1 2 0 0 0 1 1 1 1 1 1 5
+8 3 2 1 1 0 0 0 1 1 1 1 1 1 5
+$EndPartitionedEntities
+$Nodes"""
+    text = GMSH_4.replace("$Nodes", partitioned, 1)
+    cells = text.replace("2 3 10 31", "3 3 10 31").replace("2 3 2 1\n", "2 5 2 1\n")
+    path = tmp_path / "two.msh"
+    path.write_text(
+        cells.replace("3 2 4 2\n20 1 2 3 5\n31 2 8 3 5", "3 6 4 1\n20 1 2 3 5\n3 8 4 1\n31 2 8 3 5")
+    )
+    mesh = read_mesh(path)
+    assert list(mesh.point_set("foot")) == [0, 1, 2]
+    assert list(mesh.cell_groups["body"]["tet4"]) == [0, 1]
+
+
 @pytest.mark.parametrize("text", [TWO_TETRAHEDRA, GMSH_4], ids=["2.2", "4.1"])
 def test_a_cell_that_names_a_missing_node_is_refused(tmp_path, text):
     """The reader alone would take the last node for it, without a word."""

@@ -119,6 +119,7 @@ class _Sections:
         readers = {
             "$PhysicalNames": (self._names, self._names),
             "$Entities": (lambda: None, self._entities),
+            "$PartitionedEntities": (lambda: None, self._partitioned),
             "$Nodes": (self._nodes_2, self._nodes_4),
             "$Elements": (self._cells_2, self._cells_4),
         }
@@ -152,12 +153,26 @@ class _Sections:
             raise InvalidFile(self.numbers.path, "$PhysicalNames", what)
         self.names = {(int(dimension), int(tag)): name for dimension, tag, name, *_ in rows}
 
-    def _entities(self) -> None:
-        """Read entities: number, box, physical groups, and for all but points what bounds them."""
-        section, take = "$Entities", self.numbers.take
+    def _partitioned(self) -> None:
+        """Read parts of entities, as a mesh cut for parallel programs has them, behind ghosts."""
+        section, take = "$PartitionedEntities", self.numbers.take
+        self.numbers.count(section)
+        take(section, np.intc, 2 * self.numbers.count(section))
+        self._entities(section)
+
+    def _entities(self, section: str = "$Entities") -> None:
+        """Read entities: number, box, physical groups, and for all but points what bounds them.
+
+        A partition's has, after its number, that of its whole and a list of partitions. A negative number of
+        a group says that its entity is reversed.
+        """
+        take = self.numbers.take
         for dimension, count in enumerate(take(section, self.numbers.size, 4)):
             for _ in range(int(count)):
                 tag = int(take(section, np.intc, 1)[0])
+                if section == "$PartitionedEntities":
+                    take(section, np.intc, 2)
+                    take(section, np.intc, self.numbers.count(section))
                 take(section, np.double, 3 if dimension == 0 else 6)
                 self.physical[dimension, tag] = take(section, np.intc, self.numbers.count(section))
                 if dimension > 0:
@@ -231,7 +246,7 @@ class _Sections:
             count, width = self.numbers.count(section), 1 + self._type(kind)[1]
             rows = take(section, self.numbers.size, count * width).reshape(count, width).astype(np.int64)
             tags = self.physical.get((dimension, entity), ())
-            self._add(kind, rows[:, 0], rows[:, 1:], {int(tag): np.arange(count) for tag in tags if tag > 0})
+            self._add(kind, rows[:, 0], rows[:, 1:], {abs(int(tag)): np.arange(count) for tag in tags if tag})
         self._refuse_other(section, total, sum(len(cells.numbers) for cells in self.cells))
 
     def _add(self, kind: int, numbers: Ints, nodes: Ints, groups: dict[int, Ints]) -> None:
@@ -252,4 +267,4 @@ class _Sections:
 
 
 def _by_tag(tags: Ints) -> dict[int, Ints]:
-    return {int(tag): np.flatnonzero(tags == tag) for tag in np.unique(tags) if tag > 0}
+    return {int(tag): np.flatnonzero(np.abs(tags) == tag) for tag in np.unique(np.abs(tags)) if tag > 0}
