@@ -14,8 +14,8 @@ from flexarm.tables import Inconsistent, Name, Number, Table, Vector3, value_in
 class Payload(Table):
     """A mass that sits rigidly on a link: on a beam, on the section at its projection on the axis.
 
-    `link` is `link:interface` on a super-element, whose frame the position is then in. The inertia is in the
-    link's axes, three or six numbers; default a point mass.
+    `link` is `link:interface` on a super-element, in whose frame position and inertia then are. The inertia
+    has three or six numbers; default a point mass.
     """
 
     name: Name = Field(description="name of the payload")

@@ -2,8 +2,9 @@ r"""Inertia of a payload about its own centre.
 
 .. math:: J \leftarrow \text{diag}(J_x, J_y, J_z)                                                    (1)
 
-in the link's axes [kg m2]; one number stands for all three. A model often has a point mass instead; its
-first frequency is then too high, by Rayleigh's quotient with the angle \alpha of the mode at the payload
+in the axes of the link, or of the interface at `link:interface` [kg m2]; one number stands for all three. A
+model often has a point mass instead; its first frequency is then too high, by Rayleigh's quotient with the
+angle \alpha of the mode at the payload
 
 .. math:: \frac{\omega^2}{\omega_0^2} = \frac{1}{1 + J \alpha^2 / m^*}                               (2)
 
@@ -38,7 +39,7 @@ def _one_or_three(value: Any) -> Any:
 class PayloadInertia(Effect):
     """Another inertia of a payload.
 
-    Moments are in the link's axes; left out: the nominal ones.
+    Moments are in the axes that the payload's position is in; left out: the nominal ones.
     """
 
     name = "payload_inertia"

@@ -2,8 +2,9 @@ r"""Centre of mass of a payload beside the nominal one.
 
 .. math:: x_c = x + R \, \text{offset}                                                               (1)
 
-in the link's frame: R turns with the section (the interface) that carries the payload, so the moment of the
-weight about the joint turns with the arm. Inertia about the payload's own centre stays.
+in the frame of the link, or of the interface at `link:interface`: R turns with the section or interface that
+carries the payload, so the moment of the weight about the joint turns with the arm. Inertia about the
+payload's own centre stays.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 class PayloadOffset(Effect):
     """Centre of mass beside the nominal one.
 
-    The offset is in the link's frame.
+    The offset is in the frame that the payload's position is in.
     """
 
     name = "payload_offset"

@@ -2,9 +2,9 @@ r"""A reflector that does not sit where the model says.
 
 .. math:: x \leftarrow x + \text{offset}                                                             (1)
 
-The point moves by offset in the link's frame, and then turns with the link: a circle of another radius for a
-hinge, where a shifted tracker moves the circle as it is. After `link_length`, which moves a point in
-proportion.
+The point moves by offset in the frame of the link, or of the interface at `link:interface`, and then turns
+with it: a circle of another radius for a hinge, where a shifted tracker moves the circle as it is. After
+`link_length`, which moves a point in proportion.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class ReflectorOffset(Effect):
     """Point beside its nominal place.
 
-    The offset is in the link's frame.
+    The offset is in the frame that the point's position is in.
     """
 
     name = "reflector_offset"
