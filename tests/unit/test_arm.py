@@ -74,9 +74,24 @@ def test_a_number_is_changed_by_its_key(model_file: Path) -> None:
     assert heavier.with_value("payloads.load.mass", arm.payload("load").mass) == arm
 
 
+def test_a_beam_that_comes_to_bend_differently_in_two_planes_keeps_its_axes(tmp_path: Path) -> None:
+    """Without `up`, local z leans to the axis that is farthest from the beam, here y."""
+    section = {"shape": "general", "area": 1e-3, "second_moment": 1e-7, "torsion_constant": 1e-7}
+    steel = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7850}
+    beam = {"name": "rod", "type": "beam", "end": [0.9, 0.1, 0.4], "section": section, "material": steel}
+    hinge = {"name": "hinge", "type": "revolute", "parent": "base", "child": "rod", "axis": [0, 1, 0]}
+    arm = Arm.from_dict({"format": "flexarm-arm/1", "name": "arm", "joints": [hinge], "links": [beam]})
+    flat = arm.with_value("links.rod.section.second_moment.x", 3e-7)
+    flat.to_toml(tmp_path / "flat.toml")
+    assert Arm.from_toml(tmp_path / "flat.toml") == flat
+    assert flat.links[0].up == (0, 1, 0)
+    assert "up" not in arm.with_value("links.rod.section.area", 2e-3).to_dict()["links"][0]
+
+
 @pytest.mark.parametrize(
     ("key", "value", "message"),
     [
+        ("links.rod.material.density", 0, "damping_ratio: must be 0 where the density is 0"),
         ("payloads.lod.mass", 5, "lod"),
         ("payloads.load.mass", -5, "mass.*at least 0, got -5"),
         ("payloads.load.mass", "5 kg", "value: must be a number, got '5 kg'"),

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from flexarm.arm.inertia import Inertia, impossible
 from flexarm.arm.part_files import load_part
+from flexarm.arm.rotation import IDENTITY, Vector, dot
 from flexarm.arm.section import Section
 from flexarm.material import Material
 from flexarm.tables import Inconsistent, Name, Number, Table, Vector3, value_in
@@ -48,8 +49,8 @@ class Beam(Table):
         if self.damping_ratio > 0 and self.material.density == 0:
             raise Inconsistent((("damping_ratio",), WEIGHTLESS.format(ratio=self.damping_ratio)))
         if self.up is None:
-            iy, iz = self.section.second_moments
-            if abs(iy - iz) > 1e-9 * max(iy, iz):
+            if not bends_alike(self.section):
+                iy, iz = self.section.second_moments
                 raise Inconsistent(
                     (
                         ("up",),
@@ -67,6 +68,17 @@ class Beam(Table):
     def length(self) -> float:
         """Length [m]."""
         return hypot(*self.end)
+
+    @property
+    def lean(self) -> Vector:
+        """`up`, or where it is left out the axis of the link's frame that is farthest from the beam."""
+        return self.up or min(IDENTITY, key=lambda axis: abs(dot(axis, self.end)))
+
+
+def bends_alike(section: Section) -> bool:
+    """Return True if Iy is Iz, so that a beam needs no `up`."""
+    iy, iz = section.second_moments
+    return abs(iy - iz) <= 1e-9 * max(iy, iz)
 
 
 class RigidLink(Table):

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.effect import Effect
 from flexarm.arm.joint_units import priors_in, unit_at
-from flexarm.arm.link import Beam
+from flexarm.arm.link import Beam, bends_alike
 from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import InvalidParameter
 from flexarm.tables import Table, component_names, unit_of
@@ -68,12 +68,15 @@ class Path:
         return float(whole if self.component is None else whole[self.component])
 
     def put(self, arm: Arm, value: float) -> Arm:
-        """Return a copy of the arm with another value, of which only the table that holds it is checked."""
+        """Return a copy of the arm with another value, of which only the tables that hold it are checked."""
         return put_all(arm, [(self, value)])
 
 
 def put_all(arm: Arm, changes: Sequence[tuple[Path, float]]) -> Arm:
-    """Return a copy of the arm with other values of one table, which is checked with all of them."""
+    """Return a copy of the arm with other values of one table, which is checked with all of them.
+
+    A beam whose section comes to bend differently in its two planes states the axes that it had.
+    """
     first, new = changes[0][0], dict[str, Any]()
     for path, value in changes:
         name, k = path.fields[-1], path.component
@@ -83,7 +86,10 @@ def put_all(arm: Arm, changes: Sequence[tuple[Path, float]]) -> Arm:
     def changed(table: Table, fields: Sequence[str]) -> Table:
         if not fields:
             return table.replace(**new)
-        return table.model_copy(update={fields[0]: changed(getattr(table, fields[0]), fields[1:])})
+        values: dict[str, Any] = {fields[0]: changed(getattr(table, fields[0]), fields[1:])}
+        if isinstance(table, Beam) and "section" in values and not bends_alike(values["section"]):
+            values["up"] = table.lean
+        return table.replace(**values)
 
     entries, k = getattr(arm, first.table), first.index
     entry = changed(entries[k], first.fields[:-1])
@@ -221,9 +227,7 @@ def _with_fixed_axes(arm: Arm, path: Path) -> Arm:
     owner = path.owner(arm)
     if not isinstance(owner, Beam) or path.fields[-1] != "end" or owner.up is not None:
         return arm
-    furthest = min(range(3), key=lambda k: abs(owner.end[k]))
-    up = tuple(float(k == furthest) for k in range(3))
-    links = tuple(link.model_copy(update={"up": up}) if link is owner else link for link in arm.links)
+    links = tuple(link.replace(up=owner.lean) if link is owner else link for link in arm.links)
     return arm.model_copy(update={"links": links})
 
 

@@ -33,7 +33,6 @@ from flexarm.arm.rotation import (
     Vector,
     added,
     chained,
-    dot,
     from_axes,
     from_rpy,
     from_vector,
@@ -143,8 +142,7 @@ def _beam(link: Beam) -> Body:
     rotary = density * length if link.theory == "timoshenko" else 0.0
     bar = mass * length**2 / 12
     about = (density * length * (iy + iz), bar + rotary * iy, bar + rotary * iz)  # eq. (1)
-    up = link.up or min(IDENTITY, key=lambda axis: abs(dot(axis, link.end)))  # any, as Iy = Iz
-    axes = from_axes(link.end, up)
+    axes = from_axes(link.end, link.lean)
     return Body(mass, (0.0, 0.0, 0.0), inertia_matrix(about)).moved(axes, scaled(0.5, link.end))
 
 

@@ -181,8 +181,7 @@ def beam_skin(link: Beam, bones: list[int], colour: str) -> Skin:
 
 def section_axes(link: Beam) -> tuple[tuple[float, float, float], ...]:
     """Return the section's axes as columns in the link's frame: x along the beam, z towards `up`."""
-    least = tuple(map(float, np.eye(3)[int(np.argmin(np.abs(link.end)))]))
-    return from_axes(link.end, link.up if link.up is not None else least)  # type: ignore[arg-type]
+    return from_axes(link.end, link.lean)
 
 
 def half_widths(section: Section) -> tuple[float, float]:
