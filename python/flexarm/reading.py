@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import mmap
 import os
+import re
 import stat
 import struct
 from collections.abc import Iterator, Mapping, Sequence
@@ -74,6 +75,31 @@ def any_text(path: str | Path) -> str:
             return raw.decode("utf-8-sig")
         except UnicodeDecodeError:
             return raw.decode("latin-1")
+
+
+def decoded(path: str | Path, raw: bytes, encoding: str) -> str:
+    """Return the text that bytes of a file are; raise InvalidFile with the line of the first that is none."""
+    try:
+        return raw.decode(encoding)
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        byte = f"byte 0x{error.object[error.start]:02x} at position {error.start}"
+        raise InvalidFile(path, f"line {line}", f"not a text in {encoding.upper()}: {byte}") from error
+    except LookupError:
+        raise InvalidFile(path, "line 1", f"declares the unknown encoding {encoding!r}") from None
+
+
+def xml_text(path: str | Path, raw: bytes) -> tuple[str, str]:
+    """Return the text of an XML file, its byte order mark included, and its encoding.
+
+    UTF-16 if its first bytes say so, else what it declares, else UTF-8. Source: XML 1.0, appendix F.
+    """
+    for wide in ("utf-16-le", "utf-16-be"):
+        if raw.startswith(("\ufeff".encode(wide), "<".encode(wide))):
+            return decoded(path, raw, wide), wide
+    declared = re.match(rb"(?:\xef\xbb\xbf)?<\?xml\s[^>]*?\bencoding\s*=\s*[\"']([\w.:-]+)", raw)
+    encoding = declared[1].decode() if declared else "utf-8"
+    return decoded(path, raw, encoding), encoding
 
 
 @contextmanager

@@ -145,6 +145,35 @@ def test_all_else_of_a_robot_file_stays_as_it_stands(files, newline):
     assert changed[0].startswith("+     <dynamics ")
 
 
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be", "gb2312"])
+def test_robot_files_keep_their_encoding(files, encoding):
+    """UTF-16 with its byte order mark, in both orders, and an encoding of several bytes a sign."""
+    arm = Arm.from_toml(files / "arm.toml")
+    start = "\ufeff" * ("16" in encoding) + f'<?xml version="1.0" encoding="{encoding[:6]}"?>\n'
+    urdf = start + URDF.partition("\n")[2].replace("by hand", "\u624b >")
+    (files / "own.urdf").write_bytes(urdf.encode(encoding))
+    (files / "own.xml").write_bytes((start + MJCF).encode(encoding))
+    flexarm.export_urdf(arm, files / "own.urdf", files / "found.urdf")
+    flexarm.export_mjcf(arm, files / "own.xml", files / "found.xml")
+    found = (files / "found.urdf").read_bytes().decode(encoding)
+    assert found.startswith(start) and "\u624b >" in found
+    assert 'name="hinge_deflection"' in (files / "found.xml").read_bytes().decode(encoding)
+    assert [joint.name for joint in Arm.from_toml(files / "found.urdf").joints] == ["hinge", "slide"]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_an_mjcf_file_in_place_of_a_model_is_told(files, encoding):
+    (files / "arm.xml").write_bytes(MJCF.encode(encoding))
+    with pytest.raises(InvalidFile, match="is a robot in MJCF"):
+        Arm.from_toml(files / "arm.xml")
+
+
+def test_an_encoding_that_is_none_is_refused(files):
+    (files / "arm.urdf").write_text(URDF.replace('"1.0"', '"1.0" encoding="utf-9"'))
+    with pytest.raises(InvalidFile, match="line 1: declares the unknown encoding 'utf-9'"):
+        flexarm.export_urdf(Arm.from_toml(files / "arm.toml"), files / "arm.urdf", files / "found.urdf")
+
+
 def test_a_second_export_replaces_the_first(files):
     arm = Arm.from_toml(files / "arm.toml")
     for export, first in ((flexarm.export_urdf, "arm.urdf"), (flexarm.export_mjcf, "arm.xml")):

@@ -295,9 +295,10 @@ def test_links_named_base_are_read_as_ros_industrial_writes_them(tmp_path):
         ('value="20"', 'value="${mass}"'),
     ],
 )
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 @pytest.mark.parametrize("file", ["short.urdf", "short.urdf.xacro"])
-def test_a_xacro_file_that_is_not_expanded_is_said_so(tmp_path, old, new, file):
-    (tmp_path / file).write_text(SHORT.replace(old, new))
+def test_a_xacro_file_that_is_not_expanded_is_said_so(tmp_path, old, new, file, encoding):
+    (tmp_path / file).write_text(SHORT.replace(old, new), encoding=encoding)
     with pytest.raises(InvalidFile, match=r"not expanded.*xacro in\.xacro > arm\.urdf"):
         flexarm.Arm.from_toml(tmp_path / file)
 

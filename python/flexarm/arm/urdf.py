@@ -19,7 +19,7 @@ from flexarm.arm.inertia import Matrix
 from flexarm.arm.rotation import added, from_rpy, rotated, scaled, times, transposed
 from flexarm.arm.urdf_beams import is_named, on_beams
 from flexarm.errors import InvalidFile
-from flexarm.reading import reading, regular_file
+from flexarm.reading import reading, regular_file, xml_text
 from flexarm.tables.ranges import out_of_range
 
 if TYPE_CHECKING:
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 _TYPES = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic", "fixed": "fixed"}
 BASE_FRAME = "base_frame"
 """Name of a link that the file calls `base` and that is not its root."""
-_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
-_XACRO = re.compile(rb"<xacro:|\$\{")
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_XACRO = re.compile(r"<xacro:|\$\{")
 _NOT_TABLES = {"format", "name", "gravity", "uncertainty", "urdf"}
 
 
@@ -72,8 +72,8 @@ def read_urdf(path: Path) -> dict[str, Any]:
     from xml.etree import ElementTree
 
     with reading(regular_file(path), "XML"):
-        content = path.read_bytes()
-        if _XACRO.search(_COMMENT.sub(b"", content)):
+        content, _ = xml_text(path, path.read_bytes())
+        if _XACRO.search(_COMMENT.sub("", content)):
             what = "is a xacro file that is not expanded; allowed is URDF"
             raise InvalidFile(path, "file", f"{what}, as `xacro in.xacro > arm.urdf` makes it")
         try:

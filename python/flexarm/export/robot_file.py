@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.errors import InvalidFile
 from flexarm.output import write_file
-from flexarm.reading import reading, regular_file
+from flexarm.reading import reading, regular_file, xml_text
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -62,9 +62,9 @@ def read_robot(path: Path, root: str) -> RobotFile:
     from xml.parsers.expat import ExpatError
 
     with reading(regular_file(path), "XML"):
-        raw = path.read_bytes()
+        text, encoding = xml_text(path, path.read_bytes())
         try:
-            found = _parsed(raw)
+            found = _parsed(text, encoding)
         except ExpatError as error:
             raise InvalidFile(path, f"line {error.lineno}", f"is no XML: {error}") from None
     if found.root.tag != root:
@@ -72,13 +72,16 @@ def read_robot(path: Path, root: str) -> RobotFile:
     return found
 
 
-def _parsed(raw: bytes) -> RobotFile:
-    """Return the tree, with prefixes of namespaces as they stand and the tags of its elements."""
+def _parsed(text: str, encoding: str) -> RobotFile:
+    """Return the tree, with prefixes of namespaces as they stand and the tags of its elements.
+
+    The parser counts in bytes, so it gets UTF-8, in which each part of a tag has one.
+    """
     from xml.etree.ElementTree import TreeBuilder
     from xml.parsers.expat import ParserCreate
 
-    parser, builder = ParserCreate(), TreeBuilder(insert_comments=True)
-    encoding, ends, depth = ["utf-8"], [0, 0], [0]
+    raw, parser, builder = text.encode(), ParserCreate("utf-8"), TreeBuilder(insert_comments=True)
+    ends, depth = [0, 0], [0]
     tags: dict[Any, tuple[str, dict[str, str]]] = {}
 
     def start(tag: str, attributes: dict[str, str]) -> None:
@@ -86,7 +89,7 @@ def _parsed(raw: bytes) -> RobotFile:
         if depth[0] == 0:
             ends[0] = at
         depth[0] += 1
-        stated = raw[at : _tag_end(raw, at)].decode(encoding[0])
+        stated = raw[at : _tag_end(raw, at)].decode()
         tags[builder.start(tag, attributes)] = (stated, dict(attributes))
 
     def end(tag: str) -> None:
@@ -99,15 +102,10 @@ def _parsed(raw: bytes) -> RobotFile:
         if depth[0]:
             builder.comment(text)
 
-    def declaration(version: str, named: str | None, standalone: int) -> None:
-        encoding[0] = named or encoding[0]
-
     parser.StartElementHandler, parser.EndElementHandler = start, end
     parser.CharacterDataHandler, parser.CommentHandler = builder.data, comment
-    parser.XmlDeclHandler = declaration
     parser.Parse(raw, True)
-    before, after = raw[: ends[0]].decode(encoding[0]), raw[ends[1] :].decode(encoding[0])
-    return RobotFile(builder.close(), before, after, encoding[0], tags)
+    return RobotFile(builder.close(), raw[: ends[0]].decode(), raw[ends[1] :].decode(), encoding, tags)
 
 
 def _tag_end(raw: bytes, at: int) -> int:

@@ -11,7 +11,7 @@ from typing import Any
 
 from flexarm.errors import InvalidFile
 from flexarm.foreign_files import foreign_kind, markup, prose, table_of_text
-from flexarm.reading import regular_file
+from flexarm.reading import decoded, regular_file
 
 
 def read_text(file: Path) -> str:
@@ -26,12 +26,7 @@ def read_text(file: Path) -> str:
             raise InvalidFile(file, "file", "is a record, a file is needed; a command takes the model first")
     regular_file(file)
     try:
-        return file.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        byte = error.object[error.start]
-        what = f"not a text in UTF-8: byte 0x{byte:02x} at position {error.start}"
-        raise InvalidFile(file, f"line {line}", what) from error
+        return decoded(file, file.read_bytes(), "utf-8").removeprefix("\ufeff")
     except OSError as error:
         raise InvalidFile(file, "file", f"cannot be read: {error.strerror}") from None
 
@@ -42,10 +37,10 @@ def read_toml(file: Path, expected_format: str) -> tuple[dict[str, Any], str]:
         text = read_text(file)
     except InvalidFile as refused:
         bad = refused.__cause__
-        if isinstance(bad, UnicodeDecodeError) and (
-            kind := table_of_text(bad.object.decode("cp1252", "replace"))
-        ):
-            raise InvalidFile(file, "file", kind) from None
+        if isinstance(bad, UnicodeDecodeError):
+            narrow, wide = (bad.object.decode(each, "replace") for each in ("cp1252", "utf-16"))
+            if kind := table_of_text(narrow) or markup(narrow) or markup(wide):
+                raise InvalidFile(file, "file", kind) from None
         raise
     try:
         data = tomllib.loads(text)

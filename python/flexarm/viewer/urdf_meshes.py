@@ -13,7 +13,7 @@ from flexarm.arm.urdf import BASE_FRAME
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.input_files import sha256
-from flexarm.reading import regular_file
+from flexarm.reading import regular_file, xml_text
 from flexarm.solids import SolidMesh, read_mesh
 from flexarm.solids.shape import surface
 from flexarm.superelement import SuperElement
@@ -34,7 +34,7 @@ def urdf_meshes(path: Path) -> Meshes:
     from xml.etree import ElementTree
 
     try:
-        robot = ElementTree.parse(regular_file(path)).getroot()
+        robot = ElementTree.fromstring(xml_text(path, regular_file(path).read_bytes())[0])
     except (OSError, ElementTree.ParseError) as error:
         raise InvalidFile(path, "file", f"cannot be read as URDF: {error}") from None
     children = {child.get("link") for child in robot.iterfind("joint/child")}
