@@ -198,6 +198,43 @@ def test_friction_of_which_the_model_has_none_stays_as_the_file_has_it(files):
     assert (joints["hinge"].get("frictionloss"), joints["hinge"].get("damping")) == ("4", None)
 
 
+def test_friction_that_a_default_class_gives_a_joint_is_told(files):
+    """A joint's class is its own, that of the nearest body or frame around it, or main."""
+    (files / "arm.toml").write_text(MODEL)
+    inner = '<default class="geared"><joint frictionloss="4" damping="0"/></default><default class="oiled"/>'
+    for default, place, kept in (
+        ('<joint damping="7"/>', "", ["damping 7"]),
+        (f'<joint damping="7"/>{inner}', ' childclass="geared"', ["frictionloss 4"]),
+        (f'<joint damping="7"/>{inner}', ' childclass="geared"><frame childclass="oiled"', ["damping 7"]),
+    ):
+        text = MJCF.replace('<joint damping="7" armature="3"/>', default)
+        text = text.replace('<body name="rod">', f'<body name="rod"{place}>')
+        if "<frame" in place:
+            text = text.replace("    </body>\n  </worldbody>", "    </frame></body>\n  </worldbody>")
+        (files / "arm.xml").write_text(text)
+        notes = flexarm.export_mjcf(Arm.from_toml(files / "arm.toml"), files / "arm.xml", files / "out.xml")
+        told = [note.partition(": ")[2] for note in notes if note.startswith("joint hinge")]
+        assert [note.partition(" of the file stays")[0] for note in told] == kept
+
+
+def test_joints_in_frames_of_a_body_are_found(files):
+    """A frame's children stand in its body, turned by the frame: the deflection goes beside its joint."""
+    mujoco = pytest.importorskip("mujoco")
+    plain = (files / "arm.xml").read_text()
+    hinge = '<joint name="hinge" type="hinge" axis="0 0 1" range="-90 90"/>'
+    framed = f'<frame euler="90 0 0"><frame pos="0 0 0">{hinge.replace("0 0 1", "0 1 0")}</frame></frame>'
+    (files / "framed.xml").write_text(plain.replace(hinge, framed))
+    models = []
+    for name in ("arm.xml", "framed.xml"):
+        arm = Arm.from_toml(files / "arm.toml")
+        assert len(flexarm.export_mjcf(arm, files / name, files / "once.xml")) == 1
+        flexarm.export_mjcf(arm, files / "once.xml", files / "twice.xml")
+        assert (files / "once.xml").read_text() == (files / "twice.xml").read_text()
+        models.append(mujoco.MjModel.from_xml_path(str(files / "once.xml")))
+    for key in ("jnt_axis", "jnt_stiffness", "dof_damping", "dof_armature", "dof_frictionloss", "jnt_range"):
+        assert getattr(models[1], key) == approx(getattr(models[0], key), abs=1e-12)
+
+
 def test_mujoco_sees_the_reducer_between_motor_and_link(files):
     """With the motor's angle phi free, M and K are those of two inertias and a spring, closed form (1)."""
     mujoco = pytest.importorskip("mujoco")

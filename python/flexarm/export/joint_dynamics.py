@@ -11,7 +11,7 @@ add.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
@@ -19,8 +19,6 @@ from typing import TYPE_CHECKING
 from flexarm.arm.friction_effect import FrictionEffect
 
 if TYPE_CHECKING:
-    from xml.etree.ElementTree import Element
-
     from flexarm.arm import Arm
 
 _WRITTEN = {
@@ -112,9 +110,8 @@ def left_out(dynamics: JointDynamics) -> list[str]:
     ]
 
 
-def own_friction(dynamics: JointDynamics, element: Element | None, viscous: str, dry: str) -> list[str]:
+def own_friction(dynamics: JointDynamics, attributes: Mapping[str, str], viscous: str, dry: str) -> list[str]:
     """Return a note on friction in the attributes of a file that stays, as the model has none."""
-    attributes = {} if element is None else element.attrib
     kept = {"viscous": viscous, "dry": dry}
     return [
         f"joint {dynamics.joint}: {key} {attributes[key]} of the file stays, as the model has no "

@@ -9,6 +9,7 @@ MuJoCo, XML Reference, `joint`, `tendon/fixed`.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -54,9 +55,9 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path, force: bool = True)
     path, file, notes, written = Path(mjcf), read_robot(Path(mjcf), "mujoco"), [], 0
     root = file.root
     joints = {
-        name: (body, joint)
-        for body in root.iter("body")
-        for joint in body.findall("joint")
+        name: (parent, joint, stated)
+        for world in root.findall("worldbody")
+        for parent, joint, stated in _joints(world, "main", _defaults(root))
         if (name := joint.get("name"))
     }
     wanted = list(joint_dynamics(arm))
@@ -67,14 +68,14 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path, force: bool = True)
             continue
         written += 1
         notes += left_out(dynamics)
-        body, joint = joints[dynamics.joint]
-        _remove_earlier(root, body, dynamics.joint)
-        notes += own_friction(dynamics, joint, "damping", "frictionloss")
+        parent, joint, stated = joints[dynamics.joint]
+        _remove_earlier(root, parent, dynamics.joint)
+        notes += own_friction(dynamics, stated, "damping", "frictionloss")
         if dynamics.elastic and dynamics.armature > 0:
-            if joint.get("stiffness", "").strip("0."):
-                what = f"stiffness {joint.get('stiffness')} of the file is replaced by its joint_compliance"
+            if stated.get("stiffness", "").strip("0."):
+                what = f"stiffness {stated['stiffness']} of the file is replaced by its joint_compliance"
                 notes.append(f"joint {dynamics.joint}: {what}")
-            _write_elastic(root, body, joint, dynamics)
+            _write_elastic(root, parent, joint, dynamics)
             continue
         if dynamics.elastic:
             what = "its joint_compliance is not written; give the joint a rotor_inertia"
@@ -87,7 +88,35 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path, force: bool = True)
     return notes
 
 
-def _write_elastic(root: Element, body: Element, joint: Element, dynamics: JointDynamics) -> None:
+def _joints(
+    parent: Element, of_class: str, defaults: Mapping[str, dict[str, str]]
+) -> Iterator[tuple[Element, Element, dict[str, str]]]:
+    """Yield each joint, the body or frame in which it stands, and its attributes with those of its class."""
+    for child in parent:
+        if child.tag == "joint":
+            yield parent, child, defaults.get(child.get("class", of_class), {}) | child.attrib
+        elif child.tag in ("body", "frame", "replicate"):
+            yield from _joints(child, child.get("childclass", of_class), defaults)
+
+
+def _defaults(root: Element) -> dict[str, dict[str, str]]:
+    """Return the attributes that each class gives to its joints; a class has those of the one around it."""
+    found: dict[str, dict[str, str]] = {}
+
+    def take(default: Element, outer: dict[str, str]) -> None:
+        own = outer.copy()
+        for joint in default.findall("joint"):
+            own |= joint.attrib
+        found[default.get("class", "main")] = own
+        for inner in default.findall("default"):
+            take(inner, own)
+
+    for default in root.findall("default"):
+        take(default, found.get("main", {}))
+    return found
+
+
+def _write_elastic(root: Element, parent: Element, joint: Element, dynamics: JointDynamics) -> None:
     from xml.etree.ElementTree import Element
 
     _set(joint, armature=dynamics.armature, stiffness=0.0)
@@ -104,7 +133,7 @@ def _write_elastic(root: Element, body: Element, joint: Element, dynamics: Joint
         ref=0.0,
     )
     spring.tail = joint.tail
-    body.insert(list(body).index(joint) + 1, spring)
+    parent.insert(list(parent).index(joint) + 1, spring)
     if not (dynamics.bearing_viscous or dynamics.bearing_dry):
         return
     section = root.find("tendon")
@@ -118,14 +147,14 @@ def _write_elastic(root: Element, body: Element, joint: Element, dynamics: Joint
         add(bearing, Element("joint", {"joint": name, "coef": "1"}))
 
 
-def _remove_earlier(root: Element, body: Element, joint: str) -> None:
+def _remove_earlier(root: Element, parent: Element, joint: str) -> None:
     """Remove the deflection of an earlier export beside a joint, and its tendon."""
-    written = [(body, "joint", f"{joint}_deflection")]
+    written = [(parent, "joint", f"{joint}_deflection")]
     written += [(tendons, "fixed", f"{joint}_bearing") for tendons in root.findall("tendon")]
-    for parent, tag, name in written:
-        for child in parent.findall(tag):
+    for place, tag, name in written:
+        for child in place.findall(tag):
             if child.get("name") == name:
-                remove(parent, child)
+                remove(place, child)
 
 
 def _set_friction(joint: Element, dynamics: JointDynamics, viscous: float, dry: float) -> None:

@@ -62,7 +62,7 @@ def export_urdf(arm: Arm, urdf: str | Path, out: str | Path, force: bool = True)
         stated = {"viscous": ("damping", dynamics.viscous), "dry": ("friction", dynamics.dry)}
         friction = dict(stated[kind] for kind in sorted(dynamics.states, reverse=True))
         element = joint.find("dynamics")
-        notes += own_friction(dynamics, element, "damping", "friction")
+        notes += own_friction(dynamics, {} if element is None else element.attrib, "damping", "friction")
         if element is None and any(friction.values()):
             element = Element("dynamics")
             add(joint, element)
