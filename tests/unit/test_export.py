@@ -217,6 +217,22 @@ def test_friction_that_a_default_class_gives_a_joint_is_told(files):
         assert [note.partition(" of the file stays")[0] for note in told] == kept
 
 
+def test_a_springdamper_does_not_override_what_is_written(files):
+    """MuJoCo would take its stiffness and damping for those of the motor's joint and of the reducer's."""
+    mujoco = pytest.importorskip("mujoco")
+    text = MJCF.replace('armature="3"', 'armature="3" springdamper="0.1 1"')
+    (files / "arm.xml").write_text(text)
+    notes = flexarm.export_mjcf(Arm.from_toml(files / "arm.toml"), files / "arm.xml", files / "out.xml")
+    model = mujoco.MjModel.from_xml_path(str(files / "out.xml"))
+    assert model.jnt_stiffness == approx([0, 5e3, 0])
+    assert model.dof_damping == approx([0.5, 2.0, 3.0])
+    told = "springdamper 0.1 1 of the file is replaced by stiffness and damping"
+    assert {f"joint hinge: {told}", f"joint slide: {told}"} <= set(notes)
+    (files / "arm.toml").write_text(MODEL)
+    notes = flexarm.export_mjcf(Arm.from_toml(files / "arm.toml"), files / "arm.xml", files / "out.xml")
+    assert sum("springdamper 0.1 1 of the file stays" in note for note in notes) == 2
+
+
 def test_joints_in_frames_of_a_body_are_found(files):
     """A frame's children stand in its body, turned by the frame: the deflection goes beside its joint."""
     mujoco = pytest.importorskip("mujoco")

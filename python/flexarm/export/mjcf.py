@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from flexarm.arm import Arm
 
-_PLACED = ("class", "type", "pos", "axis", "group")
+_PLACED = ("class", "type", "pos", "axis", "group", "springdamper")
 """What the deflection has in common with its joint."""
 
 
@@ -71,6 +71,7 @@ def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path, force: bool = True)
         parent, joint, stated = joints[dynamics.joint]
         _remove_earlier(root, parent, dynamics.joint)
         notes += own_friction(dynamics, stated, "damping", "frictionloss")
+        notes += _replace_springdamper(dynamics, joint, stated)
         if dynamics.elastic and dynamics.armature > 0:
             if stated.get("stiffness", "").strip("0."):
                 what = f"stiffness {stated['stiffness']} of the file is replaced by its joint_compliance"
@@ -155,6 +156,18 @@ def _remove_earlier(root: Element, parent: Element, joint: str) -> None:
         for child in place.findall(tag):
             if child.get("name") == name:
                 remove(place, child)
+
+
+def _replace_springdamper(dynamics: JointDynamics, joint: Element, stated: dict[str, str]) -> list[str]:
+    """Return a note on a `springdamper`, which MuJoCo takes in place of stiffness and damping."""
+    value = stated.get("springdamper", "")
+    if not value.strip("0. "):
+        return []
+    told = f"joint {dynamics.joint}: springdamper {value} of the file"
+    if "viscous" in dynamics.states or (dynamics.elastic and dynamics.armature > 0):
+        joint.set("springdamper", "0 0")
+        return [f"{told} is replaced by stiffness and damping"]
+    return [f"{told} stays, as the model has no viscous friction"]
 
 
 def _set_friction(joint: Element, dynamics: JointDynamics, viscous: float, dry: float) -> None:
