@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.assembly.machine import machine_of
+from flexarm.comparison.pose_outliers import MOST
 from flexarm.comparison.poses import is_input
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.fit import Fit
@@ -306,8 +307,6 @@ def _name(record: Record, taken: Mapping[str, Record]) -> str:
 
 AROUND = 2.0
 """Least distance of an outlier over that of most rows around it."""
-MOST = 0.15
-"""Greatest share of outliers in a channel: more are a property of the channel."""
 
 
 def residual_outliers(rest: Floats, problem: Problem) -> NDArray[np.bool_]:

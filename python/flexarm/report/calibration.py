@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from flexarm.comparison.comparison import frame_words
 from flexarm.json_values import plain
@@ -309,10 +309,9 @@ class DetailsEntry(Entry):
     remarks: list[str]
 
 
-class CalibrationFile(BaseModel):
+class CalibrationFile(Entry):
     """The whole file."""
 
-    model_config = ConfigDict(extra="forbid")
     format: Literal["flexarm-calibration/1"]
     parameters: list[ParameterEntry]
     families: list[FamilyEntry]

@@ -151,6 +151,17 @@ class ReportFile(Entry):
 def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the object of `report.json`, checked against the format."""
     d = diagnosis
+    details = {
+        **{key: getattr(d, key) for key in DetailsEntry.model_fields},
+        "remarks": [*filter(None, [unpredicted_sentence(d)]), *remarks_beside(d)],
+        "stages": [asdict(stage) for stage in d.stages],
+        "frames": {
+            record: {name: {"xyz": xyz, "rpy": rpy} for name, (xyz, rpy) in found.items()}
+            for record, found in d.frames.items()
+            if found
+        },
+        "statistics": asdict(d.statistics),
+    }
     content = {
         "format": FORMAT,
         "verdict": d.verdict,
@@ -164,7 +175,7 @@ def report_dict(diagnosis: Diagnosis) -> dict[str, Any]:
             **provenance_of(d.provenance),
             "rejected": [asdict(candidate) for candidate in d.rejected],
         },
-        "details": _details(d),
+        "details": details,
         "laws": [law_dict(law) for law in d.laws],
     }
     without = None if d.laws else {"laws"}
@@ -199,23 +210,4 @@ def provenance_of(given: Mapping[str, Any]) -> dict[str, Any]:
         "seed": given.get("seed", 0),
         "step": given.get("step", 2e-3),
         "seconds": given.get("seconds", 0.0),
-    }
-
-
-def _details(d: Diagnosis) -> dict[str, Any]:
-    return {
-        "training": d.training,
-        "held_out": d.held_out,
-        "hold_out_kind": d.hold_out_kind,
-        "hold_out_why": d.hold_out_why,
-        "remainder": d.remainder,
-        "remarks": [*filter(None, [unpredicted_sentence(d)]), *remarks_beside(d)],
-        "stages": [{"label": stage.label, "rms": stage.rms} for stage in d.stages],
-        "constancy": d.constancy,
-        "frames": {
-            record: {name: {"xyz": xyz, "rpy": rpy} for name, (xyz, rpy) in found.items()}
-            for record, found in d.frames.items()
-            if found
-        },
-        "statistics": asdict(d.statistics),
     }
