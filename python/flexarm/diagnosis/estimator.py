@@ -82,7 +82,7 @@ class Estimator:
             return self.about(fit, part)
         return there._corrected()
 
-    def _found_at(self, fit: Fit, part: float = 1.0) -> Floats:
+    def _found_at(self, fit: Fit, part: float) -> Floats:
         """Return the nuisance parameters of a fit, or `part` of the way to them."""
         best = dict(zip(fit.nuisance.keys, gls_nuisance(fit), strict=True))
         found = np.array(
@@ -180,14 +180,7 @@ class Estimator:
             self._projections[taken] = (left, Projection(self.jacobian[:, keep], left.sigma))
         return self._projections[taken]
 
-    def fit(
-        self,
-        members: Sequence[Candidate],
-        evaluations: int = FIT.evaluations,
-        tolerance: float = FIT.tolerance,
-        limit: float = inf,
-        nearby: Fit | None = None,
-    ) -> Fit:
+    def fit(self, members: Sequence[Candidate], limit: float = inf, nearby: Fit | None = None) -> Fit:
         """Return the least of (1) of `least_squares`, for a set of effects that start at their own values.
 
         A fit that would stay above the limit is not finished. The first derivatives are those of a model
@@ -196,7 +189,7 @@ class Estimator:
         Raise NotConverged or InvalidParameter if not even the start can be simulated.
         """
         solver = self.solver(tuple(members), nearby)
-        z = solver.solve(solver.z_of(members), evaluations, tolerance, limit)
+        z = solver.solve(solver.z_of(members), limit)
         jacobian = solver.jacobian_at(z) if solver.terminated else solver.differences(z)
         return self._found(solver, z, solver.members_at(z), jacobian)
 
@@ -209,7 +202,7 @@ class Estimator:
         """
         solver = self.solver(tuple(members), nearby)
         shares = any(member.with_separate_sizes() is not member for member in members)
-        z = solver.solve(solver.z_of(members), limit=inf if shares else limit)
+        z = solver.solve(solver.z_of(members), inf if shares else limit)
         fit = self._found(solver, z, solver.members_at(z), solver.jacobian_at(z))
         if shares:
             return self.trial([member.with_separate_sizes() for member in fit.members], fit, limit)

@@ -66,13 +66,7 @@ class LeastSquares:
         self._last: Floats | None = None
         self._least, self._limit, self.terminated = inf, inf, False
 
-    def solve(
-        self,
-        start: Floats,
-        evaluations: int = FIT.evaluations,
-        tolerance: float = FIT.tolerance,
-        limit: float = inf,
-    ) -> Floats:
+    def solve(self, start: Floats, limit: float = inf) -> Floats:
         """Return z at the minimum of (1) within the bounds, or where the fit was terminated early.
 
         Raise NotConverged or InvalidParameter if the start cannot be simulated.
@@ -92,9 +86,9 @@ class LeastSquares:
                 self.objective_jacobian,
                 bounds=(-bounds, bounds),
                 x_scale=1.0,
-                max_nfev=evaluations,
-                ftol=tolerance * 1e-1,
-                xtol=tolerance * finest,
+                max_nfev=FIT.evaluations,
+                ftol=FIT.tolerance * 1e-1,
+                xtol=FIT.tolerance * finest,
                 gtol=1e-12,
             )
         except _Terminated:

@@ -82,11 +82,11 @@ def test_broydens_update_finds_what_differences_find(run, monkeypatch):
     record = seen(run, nominal.with_effect(there))
     found, simulations = [], []
     for part in (0.0, FIT.step_missed):
-        monkeypatch.setattr(least_squares, "FIT", replace(FIT, step_missed=part))
+        monkeypatch.setattr(least_squares, "FIT", replace(FIT, step_missed=part, tolerance=1e-4))
         both = problem(nominal, record)
         estimator = Estimator.nominal(both, nuisance_model(both))
         first = [c for c in candidates(both, estimator.nuisance.arm) if c.name == "joint_compliance"]
-        fit = estimator.fit(first, tolerance=1e-4)
+        fit = estimator.fit(first)
         found.append([fit.members[0].effect.stiffness, fit.members[0].effect.damping])
         simulations.append(both.simulations.made)
     assert found[0] == pytest.approx([1.0e5, 400.0], rel=0.05)  # steps of 8 ms, corrected for another spring
