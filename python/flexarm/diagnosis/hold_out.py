@@ -276,7 +276,11 @@ def named_hold_out(arm: Arm, hold_out: Record | None, given: Mapping[str, Record
                 f"holds the same values as {name!r}, which is fitted: nothing would be held out",
                 where="hold_out",
             )
-    return {_name(record, given): record}
+    # named by its directory, with as many parents as names of the training have
+    parents = max(each.count("/") for each in given)
+    parts = ("held_out",) if record.path is None else record.path.resolve().parts[-1 - parents :]
+    name = "/".join(parts)
+    return {name if name not in given else f"{name} (held out)": record}
 
 
 def split(arm: Arm, checked: ValidationResult, held_out: ValidationResult) -> Split:
@@ -295,14 +299,6 @@ def split(arm: Arm, checked: ValidationResult, held_out: ValidationResult) -> Sp
         "",
         tuple(f"{name} is too short to hold a part of it back" for name in whole),
     )
-
-
-def _name(record: Record, taken: Mapping[str, Record]) -> str:
-    """Return the name of the held-out record: its directory, with as many parents as training names have."""
-    parents = max(each.count("/") for each in taken)
-    parts = ("held_out",) if record.path is None else record.path.resolve().parts[-1 - parents :]
-    name = "/".join(parts)
-    return name if name not in taken else f"{name} (held out)"
 
 
 AROUND = 2.0

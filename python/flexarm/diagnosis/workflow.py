@@ -209,7 +209,10 @@ def _diagnosis(
     early = ended_early(current().remarks)  # an effect that was not tried may explain it
     if laws and not early and found.verdict == "unexplained" and allows("the missing law was sought"):
         tell(0.87, "missing law")
-        missing = _laws(choice, arm, updated, split_records)
+        signal = main_signal(split_records.training, split_records.training_gaps(arm))
+        # effects may imitate parts of a gap: laws are sought about the model without them too
+        about = [choice.null, choice.best] if choice.best.members else [choice.best]
+        missing = missing_laws(choice.estimator, about, LawCheck(split_records, arm, updated, signal))
     if missing.added is not None:
         fitted = missing.added.fitted
         updated, members, sizes = missing.added.arm, fitted.fit.members, fitted.sizes
@@ -310,13 +313,6 @@ def _updated(
     updated, refined = restore_unidentifiable(problem.arm, updated, refined, records.training_gaps)
     updated = without_idle_zeros(updated, stated)
     return updated, of_model(refined, updated)
-
-
-def _laws(choice: Choice, arm: Arm, updated: Arm, records: SplitRecords) -> MissingLaws:
-    """Return the missing laws about the models without and with effects, which may imitate parts of a gap."""
-    signal = main_signal(records.training, records.training_gaps(arm))
-    simplest_first = [choice.null, choice.best] if choice.best.members else [choice.best]
-    return missing_laws(choice.estimator, simplest_first, LawCheck(records, arm, updated, signal))
 
 
 def _chosen(problem: Problem, tell: Callable[[float, str], object]) -> Choice:

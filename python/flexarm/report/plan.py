@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from flexarm.diagnosis.design.plan_result import Plan, PlannedEffect, Tie
+    from flexarm.diagnosis.design.plan_result import Plan, PlannedEffect
 
 
 FILE, PAGE = "plan.json", "plan.html"
@@ -290,14 +290,10 @@ def _addition_lines(plan: Plan) -> list[str]:
     for words, minutes, count in plan.additions():
         lines.append(f"  {count:4d}  {words} (some {minutes:g} min)")
     lines += ["", "cheapest addition by pair:"]
-    lines += [f"  {_tie_words(tie)}" for tie in plan.ties[:12]]
+    for tie in plan.ties[:12]:
+        before, best, words = number(tie.log_bayes_factor, 2), tie.cheapest, "nothing on the menu"
+        if best is not None:
+            words = f"{best.addition}, ln B {before} -> {number(best.log_bayes_factor)}"
+        lines.append(f"  {place_words(*tie.one)} | {place_words(*tie.other)}: {words}")
     more = len(plan.ties) - 12
     return [*lines, f"  and {more} more pairs (plan.json of --out has all)"] if more > 0 else lines
-
-
-def _tie_words(tie: Tie) -> str:
-    pair, best = f"{place_words(*tie.one)} | {place_words(*tie.other)}", tie.cheapest
-    if best is None:
-        return f"{pair}: nothing on the menu"
-    before, after = number(tie.log_bayes_factor, 2), number(best.log_bayes_factor)
-    return f"{pair}: {best.addition}, ln B {before} -> {after}"

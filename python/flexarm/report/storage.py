@@ -63,11 +63,18 @@ def gap_contents(diagnosis: BeforeAfter, kind: str = KIND) -> Contents:
             for gap in comparison.evidence.values():
                 k = len(variables) // 2
                 labels[f"direction_{k}"] = [name for name, part in gap.parts.items() if part is not None]
-                facts = {"side": side, "record": record, "facts": json.dumps(_gap_facts(gap))}
+                facts = {
+                    **{key: getattr(gap, key) for key in _GAP_KEYS},
+                    "directions": list(gap.parts),
+                    "bands": [[band.low, band.high, band.rms] for band in gap.bands],
+                    "gross": list(gap.gross),
+                    "poses": list(gap.poses),
+                }
+                about = {"units": gap.unit, "side": side, "record": record, "facts": json.dumps(facts)}
                 parts = [gap.parts[name] for name in labels[f"direction_{k}"]]
                 values = np.stack(parts, axis=1) if parts else np.empty((len(gap.time), 0))
                 variables[f"time_{k}"] = ((f"row_{k}",), gap.time, {})
-                variables[f"gap_{k}"] = ((f"row_{k}", f"direction_{k}"), values, {"units": gap.unit, **facts})
+                variables[f"gap_{k}"] = ((f"row_{k}", f"direction_{k}"), values, about)
     attributes = {
         "kind": kind,
         "flexarm_version": version(),
@@ -94,16 +101,6 @@ def _comparison_facts(comparison: Comparison) -> dict[str, Any]:
 
 
 _GAP_KEYS = ("name", "quantity", "rms", "max", "noise_rms", "removed")
-
-
-def _gap_facts(gap: SignalGap) -> dict[str, Any]:
-    return {
-        **{key: getattr(gap, key) for key in _GAP_KEYS},
-        "directions": list(gap.parts),
-        "bands": [[band.low, band.high, band.rms] for band in gap.bands],
-        "gross": list(gap.gross),
-        "poses": list(gap.poses),
-    }
 
 
 # ---------------------------------------------------------------------- reading
