@@ -227,10 +227,10 @@ def test_a_position_along_one_axis_has_a_gap_along_it(run, tmp_path):
     """One measured axis spans no direction of the arm."""
     found = compare(arm(), virtual(run, sensors("hinge", "tip", axes=("z",))))
     gap = found.signals["tip"]
-    assert gap.rms["z"] == pytest.approx(gap.rms["total"])
+    assert gap.rms["sensor z"] == pytest.approx(gap.rms["total"])
     assert gap.rms["total"] < 1.2 * gap.noise_rms
     found.save(tmp_path / "out")
-    assert (tmp_path / "out" / "gap-tip.csv").read_text().startswith("time_s,z [m]")
+    assert (tmp_path / "out" / "gap-tip.csv").read_text().startswith("time_s,sensor z [m]")
 
 
 def test_gross_outliers_count_neither_in_the_alignment_nor_in_the_gap(run):

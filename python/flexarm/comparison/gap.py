@@ -177,6 +177,7 @@ def _parts(
         parts = project(residual, signal.axes, simulated.frame(signal, placement), directions)
         if any(part is not None for part in parts.values()):
             return parts
+        return {f"sensor {axis}": residual[:, k] for k, axis in enumerate(signal.axes)}
     if signal.quantity == "orientation" or (signal.spec.channels is None and signal.axes):
         axes = signal.axes or ("x", "y", "z")
         return {axis: residual[:, axes.index(axis)] if axis in axes else None for axis in "xyz"}
