@@ -29,6 +29,7 @@ from flexarm.record import Record, Signal
 from flexarm.record.compatibility import implausible_values
 from flexarm.record.plausibility import INPUTS, unit_problems
 from flexarm.record.time_unit import mismatched_durations
+from flexarm.validation.outliers import blank_rows
 from flexarm.validation.policy import POLICY
 from flexarm.wording import listed
 
@@ -108,6 +109,26 @@ def drop_missing_channels(name: str, record: Record) -> tuple[Record, list[str]]
             lost = ", ".join(axis for axis, seen in zip(signal.axes, there, strict=True) if not seen)
             notes.append(f"{name}: {signal.name} holds no value along {lost}; the rest of it is compared")
     return record.replace(signals=kept) if notes else record, notes
+
+
+def drop_zero_rows(name: str, record: Record) -> tuple[Record, list[str]]:
+    """Return the record without rows of zeros of trackers that lost their target, and a remark on each.
+
+    Zeros in all axes are a place where the point comes near, within two of its greatest steps.
+    """
+    notes = []
+    for signal in record.of_quantity("position").values():
+        zero = (signal.values == 0).all(axis=1)
+        seen = signal.values[signal.valid & ~zero]
+        if record.kind == "static" or len(signal.axes) < 2 or not zero.any() or len(seen) < 2:
+            continue
+        steps = np.linalg.norm(np.diff(seen, axis=0), axis=1)
+        if np.linalg.norm(seen, axis=1).min() > 2 * steps.max():
+            record = blank_rows(record, signal.name, zero)
+            notes.append(
+                f"{name}: {int(zero.sum())} rows of {signal.name} are zeros in all axes, and removed"
+            )
+    return record, notes
 
 
 def remarks_on_stamps(records: Mapping[str, Record]) -> list[str]:

@@ -44,6 +44,7 @@ from flexarm.validation.outliers import blank_rows, clean_drives, clean_evidence
 from flexarm.validation.policy import POLICY
 from flexarm.validation.record_remarks import (
     drop_missing_channels,
+    drop_zero_rows,
     plausibility_doubts,
     remarks_on_few_poses,
     remarks_on_poses,
@@ -231,8 +232,9 @@ def _prepare(
     for problem in (*disjoint_clocks(record), *endless(record, step)):
         raise InvalidParameter(problem.what, where=f"records.{name}.{problem.where}")
     record, notes = drop_missing_channels(name, record.with_units_of(arm))
+    record, lost = drop_zero_rows(name, record)
     record, removed = clean_drives(name, record)
-    return record, removed, notes
+    return record, removed, [*notes, *lost]
 
 
 def _judge(

@@ -204,6 +204,17 @@ def test_spikes_are_removed_and_said(nominal, faultless):
     assert not found.records["run"].signals["tip"].valid[rows].any()
 
 
+def test_zeros_of_a_tracker_that_lost_its_target_are_removed_and_said(nominal, faultless):
+    def lost(values):
+        values[40:45] = 0.0
+        return values
+
+    found = check(nominal, {"run": changed(faultless, "tip", lost)})
+    assert found.usable
+    assert "run: 5 rows of tip are zeros in all axes, and removed" in found.remarks
+    assert not found.records["run"].signals["tip"].valid[40:45].any()
+
+
 def test_a_spiky_encoder_drives_the_model_smoothly(nominal, faultless):
     """Eleven samples of the drive 20 mrad off, the first too, are taken out before they shake the model."""
     rows = np.array([0, *np.arange(100, 2100, 200)])
