@@ -6,6 +6,7 @@ import tracemalloc
 
 import h5py
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pytest
 from asammdf import MDF
@@ -431,6 +432,13 @@ def test_the_unit_of_a_channel_of_stamps_counts(tmp_path):
     for name in ("log.tdms", "log.mf4"):
         hinge = joint_of(tmp_path, f'source = "{name}"\ntime = "clock"\ncolumns = ["a"]')
         np.testing.assert_allclose(hinge.time, TIME, atol=1e-9)
+
+
+def test_rows_of_a_spreadsheet_are_counted_with_empty_ones(tmp_path):
+    rows = {"time": [0.0, None, 0.1, 0.2], "a": [0.1, None, 0.2, "?"]}
+    pd.DataFrame(rows).to_excel(tmp_path / "log.xlsx", index=False)
+    with pytest.raises(InvalidFile, match=r"row 5, column 'a': must be a number"):
+        joint_of(tmp_path, 'source = "log.xlsx"\ntime = "time"\ncolumns = ["a"]')
 
 
 def test_a_row_without_an_instant_is_named(tmp_path):

@@ -143,6 +143,13 @@ def test_a_unit_with_which_the_model_is_far_nearer_to_the_point_is_taken(logs):
     assert "# unknown: unit" not in text
 
 
+def test_a_current_in_milliampere_is_scaled_to_the_ampere_of_its_constant(logs):
+    t = np.arange(0, 8, 0.02)
+    write_robot(logs, {**angles(t), "pan current [mA]": 100 * np.sin(t)}, t)
+    _, text = guessed(logs, "robot.csv", "tracker.csv")
+    assert "scale = 0.001  # the constant is of one ampere, the log in mA" in text
+
+
 def test_columns_with_the_bare_names_of_joints_are_their_angles(logs):
     t = np.arange(0, 8, 0.02)
     write_robot(logs, angles(t), t)

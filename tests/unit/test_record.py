@@ -252,6 +252,13 @@ def test_any_names_of_poses_and_columns_survive_writing_and_reading(poses, tmp_p
     assert again.channels == tip.channels
 
 
+@pytest.mark.parametrize("column", ["i_mA", "angle_arcmin", "rate_deg_s"])
+def test_a_column_is_not_saved_in_si_under_the_name_of_another_unit(column, tmp_path: Path) -> None:
+    tip = Signal(name="tip", quantity="joint_angle", joint="a", values=[1.0], time=[0.0], channels=(column,))
+    Record(signals=[tip]).save(tmp_path / "run")
+    assert Record.load(tmp_path / "run").signals["tip"].channels == ("tip_rad",)
+
+
 def test_names_of_columns_that_would_not_read_back_are_refused(tmp_path: Path) -> None:
     tip = Signal(name="tip", quantity="joint_angle", joint="a", values=[1.0], time=[0.0], channels=("a\nb",))
     with pytest.raises(InvalidParameter, match="on one line"):

@@ -23,10 +23,10 @@ class Spreadsheet(Source):
     def __init__(self, path: Path, dialect: Dialect, requests: Sequence[Request]) -> None:
         super().__init__(path, dialect, requests)
         self._book = needed("python_calamine", path).CalamineWorkbook.from_path(path)
-        self._sheets: dict[str, tuple[list[str], list[str], int, Rows]] = {}
+        self._sheets: dict[str, tuple[list[str], list[str], list[int], Rows]] = {}
 
-    def _sheet(self, topic: str | None) -> tuple[list[str], list[str], int, Rows]:
-        """Return names, units, the number of the first row, and the rows."""
+    def _sheet(self, topic: str | None) -> tuple[list[str], list[str], list[int], Rows]:
+        """Return names, units, the numbers of the rows that are not empty, and these rows."""
         sheets = list(self._book.sheet_names)
         name = sheets[0] if topic is None else topic
         if name not in sheets:
@@ -36,7 +36,7 @@ class Spreadsheet(Source):
             self._sheets[name] = self._split(rows)
         return self._sheets[name]
 
-    def _split(self, rows: Rows) -> tuple[list[str], list[str], int, Rows]:
+    def _split(self, rows: Rows) -> tuple[list[str], list[str], list[int], Rows]:
         tail = rows[len(rows) // 2 :]
         count = max(map(len, rows), default=0)
         numeric = [2 * sum(_is_value(row[i]) for row in tail) > len(tail) for i in range(count)]
@@ -46,7 +46,8 @@ class Spreadsheet(Source):
         above = [[str(cell) for cell in row] for row in rows[:first] if any(cell != "" for cell in row)]
         names, units = header_of(above, count, "#")
         names = list(self.dialect.columns) or [*names, *[""] * (count - len(names))]
-        return names, units, first, [row for row in rows[first:] if any(cell != "" for cell in row)]
+        filled = [k for k in range(first, len(rows)) if any(cell != "" for cell in rows[k])]
+        return names, units, [k + 1 for k in filled], [rows[k] for k in filled]
 
     def names(self, topic: str | None) -> list[str]:
         """Return the names of the columns of a sheet."""
@@ -77,7 +78,7 @@ class Spreadsheet(Source):
 
     def place(self, topic: str | None, row: int) -> str:
         """Return the row as the program that wrote it counts."""
-        return f"row {self._sheet(topic)[2] + row + 1}"
+        return f"row {self._sheet(topic)[2][row]}"
 
 
 def _is_value(cell: Any) -> bool:

@@ -198,9 +198,8 @@ class _Reader:
             row = int(falls[0]) + 1
             rise = stamps[row] - stamps[row - 1]
             kind = "repeats" if rise == 0 else "goes back behind" if rise < 0 else "all but repeats"
-            what = (
-                f"{stamps[row]:.9g} {kind} {stamps[row - 1]:.9g} of line {csv.line(row - 1)}; times must rise"
-            )
+            before = f"{stamps[row - 1]:.15g} of line {csv.line(row - 1)}"
+            what = f"{stamps[row]:.15g} {kind} {before}; times must rise"
             raise InvalidFile(csv.file, f"line {csv.line(row)}, column {table.time}", what)
 
     def _pose(self, table: SignalTable) -> NDArray[np.str_]:

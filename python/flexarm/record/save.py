@@ -77,7 +77,8 @@ def _place(signal: Signal) -> Signal:
 
 def _names_other_unit(column: str) -> bool:
     """Return True if the name of a column ends in a unit that is not SI."""
-    return column.rpartition("_")[2] in ("mm", "cm", "um", "deg", "mrad", "ms", "us", "rpm", "g", "kN", "mV")
+    others = "mm cm um km in deg mrad urad arcmin arcsec rev ms us rpm g kN mV A mA bar kPa MPa"
+    return column.rpartition("_")[2] in others.split() or column.endswith(("_deg_s", "_mm_s", "_rev_s"))
 
 
 def _share_out(signals: list[Signal]) -> dict[str, list[Signal]]:

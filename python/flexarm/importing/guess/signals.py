@@ -42,6 +42,10 @@ def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
         if quantity == "current":
             proposal.unknown["unit"] = "the motor's torque constant: unit = { torque_constant = } [N m/A]"
             proposal.out = True
+            factor = factor_to("A", column.meaning.unit) or 1.0
+            if factor != 1.0:
+                proposal.keys["scale"] = factor
+                proposal.why["scale"] = f"the constant is of one ampere, the log in {column.meaning.unit}"
         if QUANTITIES[proposal.quantity].has_side:
             words = words_of(label)
             side = "output" if any(w in OUTPUT for w in words) else "motor"

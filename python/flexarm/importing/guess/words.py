@@ -115,7 +115,7 @@ def unit_in(name: str, said: str = "") -> str:
         text: str = given.strip().replace("rads/s", "rad/s").replace("Nm", "N m").replace("degrees", "deg")
         if text.lower() in COUNTS:
             return COUNTED
-        if text == "A":
+        if factor_to("A", text) is not None:
             return text
         # One letter at the end of a name is a unit only where something stands before it.
         if text and text != name and any(factor_to(si, text) is not None for si in (*OF_UNIT, "m", "s")):
