@@ -9,6 +9,7 @@ from solid_volume import jacobians, volume
 
 from flexarm import InvalidParameter
 from flexarm.solids import Block, BoltCircle, Material, Patch, disc, flange, revolved, ring, shaft, tube
+from flexarm.solids.point_areas import point_areas
 from flexarm.solids.shape import coincident, components, surface
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
@@ -141,6 +142,22 @@ def test_bolt_pads_are_alike_and_evenly_spaced():
     assert sorted(np.concatenate([mesh.point_sets[f"bolts-{k}"] for k in range(1, 7)])) == list(
         mesh.point_sets["bolts"]
     )
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("phase", [0.0, 0.02, pi / 48])
+def test_bolt_pads_are_made_of_the_faces_nearest_to_their_sides(order, phase):
+    """Half a pad is 0.127 rad, a cell 0.131: one on either side, or that around the bolt."""
+    bolts = BoltCircle("bolts", radius=0.055, count=8, diameter=0.014, height=0.0, phase=phase)
+    mesh = ring(0.03, 0.09, 0.012, size=0.012, order=order, around=48, patches=[bolts])
+    pad = mesh.points[mesh.point_set("bolts-1")]
+    sides = np.arctan2(pad[:, 1], pad[:, 0]) * 24 / pi
+    assert (sides.min(), sides.max()) == approx((0, 1) if phase == pi / 48 else (-1, 1))
+    assert bool(mesh.notes) == (phase == pi / 48)  # one cell wide, 7.2 of 14 mm
+    # of cells with straight edges, sin(step) / step of the sector
+    step = pi / 24
+    sector = (0.062**2 - 0.048**2) / 2 * np.ptp(sides) * (np.sin(step) if order == 1 else step)
+    assert point_areas(mesh, mesh.point_set("bolts-1")).sum() == approx(sector, rel=1e-4)
 
 
 @pytest.mark.parametrize(

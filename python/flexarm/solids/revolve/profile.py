@@ -64,7 +64,8 @@ class Patch:
 class BoltCircle:
     """Pads under the heads of bolts, evenly spaced on a face.
 
-    Each pad is the sector of a ring that is as wide along r, and along the circle, as `diameter`. The set
+    Each pad is the sector of a ring that is as wide along r, and along the circle, as `diameter`; along the
+    circle it ends at the lines of the mesh nearest to its sides, so that it is made of whole faces. The set
     `NAME` holds the points of all pads, `NAME-1`, `NAME-2`, .. those of each.
     """
 

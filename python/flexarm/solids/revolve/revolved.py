@@ -15,7 +15,7 @@ from flexarm.solids.mesh import SolidMesh
 from flexarm.solids.revolve.lines import SAME, Lines
 from flexarm.solids.revolve.plan import plan_of
 from flexarm.solids.revolve.profile import Block, BoltCircle, Patch
-from flexarm.solids.revolve.selection import point_sets
+from flexarm.solids.revolve.selection import pad_notes, point_sets
 
 
 def revolved(
@@ -81,8 +81,9 @@ def revolved(
         points=points,
         cells={kind: cells},
         cell_groups={name: {kind: indices} for name, indices in groups.items()},
-        point_sets=point_sets(points, blocks, patches),
+        point_sets=point_sets(points, blocks, patches, n),
         materials=_materials(blocks, material),
+        notes=tuple(pad_notes(patches, n)),
     )
     return mesh
 

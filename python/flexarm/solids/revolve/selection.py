@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from flexarm.arrays import Floats, Ints
-from flexarm.errors import InvalidParameter
+from flexarm.errors import InvalidParameter, Problem
 from flexarm.solids.revolve.lines import SAME
 from flexarm.solids.revolve.profile import Block, BoltCircle, Patch
 
@@ -28,9 +28,12 @@ class _Places:
 
 
 def point_sets(
-    points: Floats, blocks: Sequence[Block], patches: Sequence[Patch | BoltCircle]
+    points: Floats, blocks: Sequence[Block], patches: Sequence[Patch | BoltCircle], around: int
 ) -> dict[str, Ints]:
-    """Return every set by its name: faces of the part, faces of its blocks, patches, pads."""
+    """Return every set by its name: faces of the part, faces of its blocks, patches, pads.
+
+    `around` is the number of cells around the axis.
+    """
     places = _Places(points)
     whole = Patch(
         "",
@@ -43,7 +46,7 @@ def point_sets(
     for block in blocks:
         sets |= dict(_faces(places, block, f"{block.name}."))
     for patch in patches:
-        sets |= dict(_pads(places, patch) if isinstance(patch, BoltCircle) else _patch(places, patch))
+        sets |= dict(_pads(places, patch, around) if isinstance(patch, BoltCircle) else _patch(places, patch))
     return sets
 
 
@@ -66,15 +69,38 @@ def _patch(places: _Places, patch: Patch) -> Iterator[tuple[str, Ints]]:
     yield patch.name, found
 
 
-def _pads(places: _Places, bolts: BoltCircle) -> Iterator[tuple[str, Ints]]:
-    half = bolts.diameter / 2
+def pad_notes(patches: Sequence[Patch | BoltCircle], around: int) -> list[Problem]:
+    """Return a note on each bolt circle whose pads the mesh makes wider or narrower by a tenth."""
+    notes = []
+    for bolts in patches:
+        if isinstance(bolts, BoltCircle):
+            lines = [last - first for first, last in (_sides(bolts, k, around) for k in range(bolts.count))]
+            widths = 2 * np.pi / around * bolts.radius * np.array(lines)
+            worst = widths[np.argmax(np.abs(widths - bolts.diameter))]
+            if abs(worst / bolts.diameter - 1) > 0.1:
+                what = f"pads are {worst:.3g} m wide along the circle, not {bolts.diameter:g} m"
+                where = f"bolt circle {bolts.name!r}"
+                notes.append(Problem(where, f"{what}: they are whole cells; give more around the axis"))
+    return notes
+
+
+def _sides(bolts: BoltCircle, k: int, around: int) -> tuple[int, int]:
+    """Return the lines of the mesh nearest to the sides of a pad, of two as near the outer one."""
+    centre = around * (bolts.phase / (2 * np.pi) + k / bolts.count)
+    reach = around * bolts.diameter / (4 * np.pi * bolts.radius) + 0.5 + SAME
+    return int(np.ceil(centre - reach)), int(np.floor(centre + reach))
+
+
+def _pads(places: _Places, bolts: BoltCircle, around: int) -> Iterator[tuple[str, Ints]]:
+    half, step = bolts.diameter / 2, 2 * np.pi / around
     ring = places.within(bolts.radius - half, bolts.radius + half, bolts.height, bolts.height)
     pads = []
     for k in range(bolts.count):
         centre = bolts.phase + 2 * np.pi * k / bolts.count
-        away = np.angle(np.exp(1j * (places.angle[ring] - centre)))
-        pad = ring[np.abs(away) * bolts.radius <= half * (1 + 1e-9)]
-        if len(np.unique(np.round(away[np.isin(ring, pad)], 9))) < 2:
+        first, last = _sides(bolts, k, around)
+        away = np.angle(np.exp(1j * (places.angle[ring] - (first + last) / 2 * step)))
+        pad = ring[np.abs(away) <= ((last - first) / 2 + SAME) * step]
+        if last <= first or not len(pad):
             raise InvalidParameter(
                 f"the pad at {np.degrees(centre):g} degrees holds {len(pad)} points, not an area; give "
                 f"at least {int(np.ceil(4 * np.pi * bolts.radius / bolts.diameter))} cells around the axis, "
