@@ -41,7 +41,7 @@ from flexarm.wording import (
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.fit_statistics import FitStatistics
-    from flexarm.named_effects import Alternative, Estimate, NamedEffect
+    from flexarm.named_effects import Estimate, NamedEffect
 
 Row = dict[str, Any]
 
@@ -89,7 +89,9 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         laws=law_rows(d),
         drawn=drawings,
         fits_too=FITS_TOO,
+        effect_law=effect_law,
         place_words=place_words,
+        probability=probability,
         scale=scale,
         provenance=report["provenance"],
     )
@@ -98,22 +100,12 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
 def _effect(d: Diagnosis, effect: NamedEffect) -> Row:
     near, far = split_alternatives(effect)
     return {
-        "title": place_words(effect.name, effect.at),
-        "what": effect_law(effect.name),
-        "probability": probability(effect.probability),
+        "named": effect,
         "evidence": effect.evidence[:1].upper() + effect.evidence[1:],
         "parameters": [_parameter(each) for each in effect.parameters],
         "stated": "" if d.verdict == "unusable" else stated_sentence(d, effect),
-        "near": list(map(_alternative, near)),
-        "far": list(map(_alternative, far)),
-    }
-
-
-def _alternative(other: Alternative) -> Row:
-    return {
-        "title": place_words(other.name, other.at),
-        "what": effect_law(other.name),
-        "probability": probability(other.probability),
+        "near": near,
+        "far": far,
     }
 
 

@@ -44,6 +44,7 @@ def page(plan: Plan, figures: list[Drawing]) -> str:
         effects=list(_effect_rows(plan)),
         groups=group_words(plan),
         additions=plan.additions(),
+        effect_law=effect_law,
         place_words=place_words,
         number=number,
         drawn={drawing.name: drawing for drawing in figures},
@@ -106,13 +107,10 @@ def _effect_rows(plan: Plan) -> Iterator[dict[str, Any]]:
         rivals = [place_words(*plan.effects[j].place) for j in plan.rivals(i)] if each.seen else []
         more = len(rivals) - 3 if len(rivals) > 4 else 0
         yield {
-            "title": place_words(*each.place),
-            "what": effect_law(each.name),
+            "planned": each,
             "least": least_words(each),
             "value": value_words(each),
             "evidence": _evidence(each.log_bayes_factor),
-            "seen": each.seen,
-            "hidden": each.hidden,
             "rivals": rivals,
             "more": more,
             "shown": ", ".join(rivals[:3]) + f" and {more} more" if more else ", ".join(rivals),
