@@ -255,7 +255,7 @@ class Split:
         motions = {name: record for name, record in self.held_out.items() if record.kind == "motion"}
         if not motions:
             return self
-        held = Problem(model, motions, step=like.step, alpha=like.alpha, jobs=like.jobs)
+        held = Problem(model, motions, step=like.step, alpha=like.alpha, jobs=like.jobs, policy=like.policy)
         out = residual_outliers(held.residual(model), held)
         told = (*self.remarks, *outlier_remarks(out, held))
         return replace(self, held_out=left_out(self.held_out, out, held), remarks=told)

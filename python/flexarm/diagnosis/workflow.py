@@ -109,7 +109,7 @@ def diagnose(
     n_jobs : int, optional
         Number of simulations at once; default one a core.
     seed : int
-        Of the bootstrap; same seed, same answer.
+        Of what is drawn at random; same seed, same answer.
     step, alpha : float
         Of all simulations [s], [-]; records that ask for it get half or a quarter of the step.
     policy : SelectionPolicy, optional

@@ -214,7 +214,7 @@ class ValidationResult(Summarised):
         if self.faults:
             return "data are unusable"
         if self.doubts:
-            return "sensors cannot be judged beside this model until what is doubted is mended"
+            return "sensors cannot be judged with this model until what is doubted is mended"
         if not self.judged:
             return "no sensor can be judged: nothing is compared with the model"
         return "no sensor is at fault"

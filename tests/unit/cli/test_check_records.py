@@ -55,7 +55,7 @@ def test_no_sensor_is_called_in_order_beside_a_warning_that_its_values_cannot_be
     assert "signals.tip: reaches 200" in err
     assert "no sensor is at fault" not in out
     assert out.startswith(
-        "1 record checked: sensors cannot be judged beside this model until what is doubted is"
+        "1 record checked: sensors cannot be judged with this model until what is doubted is"
     )
     assert "doubt: far: signals.tip: reaches 200" in out
     assert "flexarm compare" not in out
