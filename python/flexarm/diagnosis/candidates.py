@@ -22,7 +22,7 @@ from flexarm.arm.closure import loop_joints
 from flexarm.arm.effect import Effect, effect_class
 from flexarm.arm.joint import coupled_joints
 from flexarm.arm.joint_units import priors_in
-from flexarm.arm.link import Beam, RigidLink
+from flexarm.arm.link import RigidLink
 from flexarm.arm.prior import Prior
 from flexarm.arm.sensor_effect import ClockEffect, FrameEffect, SignalEffect
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
@@ -98,7 +98,8 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
         loads = [load.name for load in arm.payloads]
         return [name for name in loads if not (known and all(weighed(record, name) for record in records))]
     if kind.place == "link":
-        return [link.name for link in arm.links if isinstance(link, Beam)]
+        names = [link.name for link in arm.links]
+        return [at for at in names if not any(kind.typical(at, arm).problems(arm))]
     if kind.place == "base":
         known = kind.stated_by_records and all(record.base is not None for record in records)
         return [] if known else ["base"]

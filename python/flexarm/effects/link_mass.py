@@ -7,9 +7,11 @@ of a beam; mass and inertia of a rigid link, and the mass matrix of a super-elem
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from flexarm.arm.effect import Effect
+from flexarm.arm.link import Beam
 from flexarm.arm.prior import Prior
 from flexarm.tables import Number, value_in
 
@@ -23,6 +25,13 @@ class LinkMass(Effect):
 
     name = "link_mass"
     scale: Number = value_in("-", "factor on the mass per length", 1.0, gt=0)
+
+    def problems(self, arm: Arm) -> Iterable[tuple[str, str]]:
+        """Return problems: a factor on nothing changes nothing."""
+        link = arm.link(self.at)
+        mass = link.material.density if isinstance(link, Beam) else getattr(link, "mass", 1.0)
+        if mass == 0:
+            yield "at", f"{self.at!r} has no mass, of which a factor could be; give it one"
 
     def patch(self, machine: Machine) -> None:
         """Another mass, eq. (1)."""
