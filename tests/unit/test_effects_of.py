@@ -263,7 +263,7 @@ def test_outliers_are_told_apart_where_their_density_is_the_greater_one():
         (SensorOffset, {"offset": [1.0, 2.0]}, "offset: must be a number, or a list of 3 numbers"),
         (SensorOffset, {"offset": "1"}, "offset: must be a number, or a list of 3 numbers"),
         (Outliers, {"share": 0.7}, "share: must be less than 0.5, got 0.7"),
-        (UnitError, {"factor": -1.0}, "factor: must be positive, got -1"),
+        (UnitError, {"factor": 0.0}, "factor: must not be zero, got 0"),
         (SignError, {"channels": ["x", "x"]}, "channels: must name no channel twice"),
         (SignError, {"factor": 2}, "factor"),
     ],

@@ -48,9 +48,9 @@ class PreparedRun:
 
     @property
     def last(self) -> float:
-        """Instant of the last step [s]: after the end where steps do not divide a run along its drive."""
+        """Instant of the last step of a run that ends with its drive [s]; the end of the drive of others."""
         start, end, step = self.options.start, self.options.end, self.options.step
-        return end if end > self.drive.end else start + ceil((end - start) / step - 1e-9) * step
+        return start + ceil((end - start) / step - 1e-9) * step if end <= self.drive.end else self.drive.end
 
 
 def prepared(

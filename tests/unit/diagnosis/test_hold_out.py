@@ -99,7 +99,9 @@ def test_what_would_be_left_with_nothing_is_not_parted():
     whole = record()
     tip = whole.signals["tip"]
     early = tip.replace(values=np.where(TIME[:, None] < 1.0, tip.values, np.nan))
-    torque = tip.replace(name="torque", quantity="motor_torque", joint="hinge", point=None, axes=())
+    torque = tip.replace(
+        name="torque", quantity="motor_torque", joint="hinge", point=None, axes=(), unit="N m"
+    )
     both = whole.replace(signals=[whole.signals["hinge"], early, torque])
     assert hold_back(poses(4)) == (poses(4), None)
     assert hold_back(poses(5))[1] is not None
