@@ -552,3 +552,10 @@ def test_a_length_with_the_name_of_a_joint_that_slides_is_its_way(logs):
     [lift] = data["signals"]
     assert (lift["quantity"], lift["joint"], lift["unit"]) == ("joint_angle", "lift", "mm")
     assert '"pan [mm]"' in text
+
+
+def test_a_column_named_after_all_axes_at_once_is_left_to_its_owner(logs):
+    t = np.arange(0, 2, 0.01)
+    log = np.column_stack([t, 0.3 * np.sin(t), np.sin(t)])
+    np.savetxt(logs / "all.csv", log, delimiter=",", header="time_s,hinge_rad,xyz[1]", comments="")
+    assert '"xyz[1]": may be position' in guessed(logs, "all.csv", out="all.toml")[1]

@@ -91,7 +91,7 @@ def point_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
         by_axis = {column.meaning.axis: column for column in members if column.meaning.axis in wanted}
         axes = [axis for axis in wanted if axis in by_axis]
         still = all(by_axis[axis].rests for axis in axes)  # a device that does not fill the field
-        if (quantity == "orientation" and len(axes) < 4) or (quantity != "position" and still):
+        if not axes or (quantity == "orientation" and len(axes) < 4) or (quantity != "position" and still):
             continue
         label = members[0].label
         point = matched(f"{stem} {topic or ''} {label}", known) or matched(Path(file).stem, known)
