@@ -185,6 +185,13 @@ def test_drives_of_several_patterns_are_told_apart_by_their_files(tmp_path):
     assert labels == [{"load": "a", "drive": f"{each}_a/swing.csv"} for each in ("slow", "fast")]
 
 
+def test_a_drive_beside_those_of_a_pattern_is_told_by_its_file_as_they_are(tmp_path):
+    file = study_in(tmp_path, SIMULATED.replace('"swing.csv"', '["swing.csv", "slow_{load}/swing.csv"]'))
+    (tmp_path / "slow_a").mkdir()
+    (tmp_path / "slow_a/swing.csv").write_text((tmp_path / "swing.csv").read_text())
+    assert [case.labels["drive"] for case in planned(file).cases] == ["swing.csv", "slow_a/swing.csv"]
+
+
 def test_a_whole_vector_of_an_effect_that_the_model_has_not_varies(tmp_path):
     text = SIMULATED.replace("effects.backlash.hinge.gap", "effects.reflector_offset.tip.offset")
     plan = planned(study_in(tmp_path, text))

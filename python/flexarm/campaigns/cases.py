@@ -42,7 +42,8 @@ def cases_of(study: Study, folder: Path) -> tuple[tuple[Case, ...], Found]:
         if not there:
             found.append((("drive", i) if len(study.drive) > 1 else ("drive",), _nothing(folder, pattern)))
         cases += [Case(labels, (path,)) for labels, path in there]
-    if len({tuple(case.labels.items()) for case in cases}) < len(cases):
+    alike = len({tuple(case.labels.items()) for case in cases}) < len(cases)
+    if len(cases) > 1 and (alike or not all(case.labels for case in cases)):
         cases = [
             Case({**case.labels, "drive": str(case.files[0].relative_to(folder))}, case.files)
             for case in cases

@@ -25,6 +25,7 @@ from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.measurement.drive_noise import drive_noise
+from flexarm.measurement.outliers import row_list
 from flexarm.record import Record, Signal
 from flexarm.record.compatibility import implausible_values
 from flexarm.record.plausibility import INPUTS, unit_problems
@@ -125,9 +126,8 @@ def drop_zero_rows(name: str, record: Record) -> tuple[Record, list[str]]:
         steps = np.linalg.norm(np.diff(seen, axis=0), axis=1)
         if np.linalg.norm(seen, axis=1).min() > 2 * steps.max():
             record = blank_rows(record, signal.name, zero)
-            notes.append(
-                f"{name}: {int(zero.sum())} rows of {signal.name} are zeros in all axes, and removed"
-            )
+            rows = row_list(np.flatnonzero(zero).tolist())
+            notes.append(f"{name}: {signal.name} holds zeros in all axes, removed: {rows}")
     return record, notes
 
 

@@ -211,7 +211,7 @@ def test_zeros_of_a_tracker_that_lost_its_target_are_removed_and_said(nominal, f
 
     found = check(nominal, {"run": changed(faultless, "tip", lost)})
     assert found.usable
-    assert "run: 5 rows of tip are zeros in all axes, and removed" in found.remarks
+    assert "run: tip holds zeros in all axes, removed: rows 40, 41, 42, 43, 44" in found.remarks
     assert not found.records["run"].signals["tip"].valid[40:45].any()
 
 
