@@ -1,14 +1,25 @@
 """What is plausible of a joint that slides is what is plausible of one that turns a pinion."""
 
+import numpy as np
 import pytest
 from arms import hinge, rigid
 from pytest import approx
 
-from flexarm import Arm
+from flexarm import Arm, InvalidParameter, Record, Signal
 from flexarm.arm.effect import effect_class
 from flexarm.arm.joint_units import PINION, priors_in
 from flexarm.arm.motor_limits import stall_torque
-from flexarm.effects import JointCompliance, JointStiffening, MotorFriction, OilColumn
+from flexarm.diagnosis.policy import SelectionPolicy
+from flexarm.diagnosis.sensor_zeros import with_zeros, without_idle_zeros
+from flexarm.effects import (
+    EncoderEccentricity,
+    EncoderHarmonics,
+    EncoderOffset,
+    JointCompliance,
+    JointStiffening,
+    MotorFriction,
+    OilColumn,
+)
 
 POWERS = {"m": 1, "m/s": 1, "N": -1, "N/m": -2, "N/m3": -4, "N s/m": -2}
 JOINT_LAWS = (
@@ -66,3 +77,56 @@ def test_cylinders_are_stated_in_their_own_numbers():
     oil = OilColumn(at="axis", bulk_modulus=1.2e9, piston_area=1e-2, dead_volume=1e-3, stroke=1.0)
     about, along = (priors_in(oil, arm)["piston_area"] for arm in (TURNS, SLIDES))
     assert (along.low, along.high, along.unit) == (about.low, about.high, "m2")
+
+
+RULED = machine("prismatic", encoders={"ruler": "axis"})
+
+
+def test_an_encoder_of_another_name_than_its_joint_has_the_units_of_the_joint():
+    prior = priors_in(EncoderOffset(at="ruler"), RULED)["offset"]
+    assert prior == priors_in(EncoderOffset(at="axis"), SLIDES)["offset"]
+    assert prior.unit == "m"
+
+
+def test_the_record_says_which_encoders_measure_slides():
+    t = np.linspace(0, 2, 41)
+    encoder = Signal(
+        name="ruler",
+        quantity="joint_angle",
+        time=t,
+        values=0.1 * t,
+        joint="axis",
+        side="motor",
+        noise_std=1e-6,
+        zero_std=1e-4,
+    )
+    record = Record(signals=[encoder], drive=("ruler",))
+    arm = with_zeros(SLIDES, {"run": record}, SelectionPolicy())
+    assert dict(arm.encoders) == {"ruler": "axis"}
+    assert dict(arm.uncertainty) == {"effects.encoder_offset.ruler.offset_m": 1e-4}
+    assert without_idle_zeros(arm, SLIDES) == SLIDES
+
+
+@pytest.mark.parametrize("kind", [EncoderEccentricity, EncoderHarmonics])
+def test_errors_over_a_turn_need_an_encoder_that_turns(kind):
+    with pytest.raises(InvalidParameter, match=r"repeats with turns, and the joint of 'ruler' slides"):
+        RULED.with_effect(kind(at="ruler", amplitude=1e-4))
+
+
+def test_an_uncertain_offset_of_an_encoder_that_only_the_record_knows_has_either_unit():
+    effects = [{"name": "encoder_offset", "at": "ruler"}]
+    for unit in ("rad", "m"):
+        key = f"effects.encoder_offset.ruler.offset_{unit}"
+        assert machine("prismatic", effects=effects, uncertainty={key: 1e-4}).uncertainty
+    with pytest.raises(InvalidParameter, match="offset_rad"):
+        machine(
+            "prismatic",
+            effects=effects,
+            encoders={"ruler": "axis"},
+            uncertainty={"effects.encoder_offset.ruler.offset_rad": 1e-4},
+        )
+
+
+def test_encoders_name_joints_of_the_model():
+    with pytest.raises(InvalidParameter, match=r"encoders\.ruler.*'axle'"):
+        machine("prismatic", encoders={"ruler": "axle"})

@@ -31,6 +31,7 @@ from flexarm.pictures import Shown, drawn, viewed
 from flexarm.tables import (
     FrozenDict,
     Inconsistent,
+    Name,
     Number,
     Table,
     Vector3,
@@ -72,6 +73,8 @@ class Arm(Shown, Table):
         The tables of the same names, in the order of the file.
     assembly : dict of str to float
         Where joints stand when loops are closed first [rad, m].
+    encoders : dict of str to str
+        Joints of the encoders in records, by the names of their signals.
     uncertainty : dict
         1 sigma of nominal values; see `sigma`.
 
@@ -93,6 +96,7 @@ class Arm(Shown, Table):
     closures: tuple[Closure, ...] = ()
     assembly: Annotated[dict[str, Number], AfterValidator(FrozenDict)] = FrozenDict()
     sensors: tuple[Sensor, ...] = ()
+    encoders: Annotated[dict[str, Name], AfterValidator(FrozenDict)] = FrozenDict()
     motors: tuple[Motor, ...] = ()
     controllers: tuple[Controller, ...] = ()
     effects: Annotated[tuple[AnyEffect, ...], AfterValidator(_last_of_each)] = ()

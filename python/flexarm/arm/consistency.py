@@ -24,7 +24,8 @@ def inconsistencies(arm: Arm) -> list[tuple[Path, str]]:
     found = [*_duplicates(arm), *_joint_ends(arm)]
     found += [] if found else [*_tree(arm)]
     found += _closures(arm)
-    return [*found, *_gears(arm), *_attachments(arm), *_sensors(arm), *_drives(arm), *_effects(arm)]
+    found += [*_gears(arm), *_attachments(arm), *_sensors(arm), *_encoders(arm)]
+    return [*found, *_drives(arm), *_effects(arm)]
 
 
 def missing(kind: str, name: str, known: Iterable[str]) -> str:
@@ -210,6 +211,13 @@ def _sensors(arm: Arm) -> Found:
             name = getattr(sensor, key)
             if name is not None and name not in known:
                 yield ("sensors", i, key), missing(key, name, known)
+
+
+def _encoders(arm: Arm) -> Found:
+    joints = {joint.name: None for joint in arm.joints}
+    for signal, joint in arm.encoders.items():
+        if joint not in joints:
+            yield ("encoders", signal), missing("joint", joint, joints)
 
 
 def _drives(arm: Arm) -> Found:

@@ -35,8 +35,8 @@ POWERS = {"rad": 1, "rad/s": 1, "N m": -1, "N m/rad": -2, "N m/rad3": -4, "N m s
 
 def unit_at(effect: Effect, arm: Arm, parameter: str, unit: str) -> str:
     """Return the unit of a parameter of an effect where it acts; phases of waves are angles everywhere."""
-    slides = not effect.always_turns and _slides(arm, effect.at) and parameter != "phase"
-    return ALONG.get(unit, unit) if slides else unit
+    straight = not effect.always_turns and slides(arm, effect.at) and parameter != "phase"
+    return ALONG.get(unit, unit) if straight else unit
 
 
 def parameters_in(effect: Effect, arm: Arm) -> list[tuple[str, float, str]]:
@@ -46,8 +46,8 @@ def parameters_in(effect: Effect, arm: Arm) -> list[tuple[str, float, str]]:
 
 def along(effect: Effect, arm: Arm, parameter: str, unit: str) -> float:
     """Return the factor that makes a plausible number about a joint one where the effect acts in an arm."""
-    slides = not effect.priors_along and unit_at(effect, arm, parameter, unit) != unit
-    return PINION ** POWERS.get(unit, 0) if slides else 1.0
+    straight = not effect.priors_along and unit_at(effect, arm, parameter, unit) != unit
+    return PINION ** POWERS.get(unit, 0) if straight else 1.0
 
 
 def priors_in(effect: Effect, arm: Arm) -> dict[str, Prior]:
@@ -85,12 +85,18 @@ def _with_pinion(arm: Arm, at: str) -> Arm:
 
 def units_by_joint(arm: Arm, joints: Sequence[str], unit: str) -> str:
     """Return the unit of an array by joint: one for all, else one each in their order, with commas."""
-    each = [ALONG.get(unit, unit) if _slides(arm, joint) else unit for joint in joints]
+    each = [ALONG.get(unit, unit) if slides(arm, joint) else unit for joint in joints]
     return each[0] if len(set(each)) == 1 else ", ".join(each)
 
 
-def _slides(arm: Arm, at: str) -> bool:
+def slides(arm: Arm, at: str) -> bool:
     """Return True if a place is a joint or closure that slides, or an encoder or torque sensor of one."""
-    joint = next((sensor.joint for sensor in arm.sensors if sensor.name == at), at)
-    slides = {each.name for each in arm.joints if each.type == "prismatic"}
-    return joint in slides | {each.name for each in arm.closures if each.type in SLIDING}
+    joint = joint_of_signal(arm, at) or at
+    sliding = {each.name for each in arm.joints if each.type == "prismatic"}
+    return joint in sliding | {each.name for each in arm.closures if each.type in SLIDING}
+
+
+def joint_of_signal(arm: Arm, name: str) -> str | None:
+    """Return the joint of a signal, as far as the model says it."""
+    sensors = {sensor.name: sensor.joint for sensor in arm.sensors}
+    return sensors.get(name, arm.encoders.get(name))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.effect import Effect
-from flexarm.arm.joint_units import unit_at
+from flexarm.arm.joint_units import ALONG, joint_of_signal, unit_at
 from flexarm.tables.field import Inconsistent, Path, unit_of
 from flexarm.tables.messages import shown
 from flexarm.tables.ranges import out_of_range
@@ -133,6 +133,8 @@ def _units(arm: Arm, owner: Table, field: str) -> tuple[str, ...]:
     if unit == "SI":
         sensor = next((sensor for sensor in arm.sensors if sensor.name == owner.at), None)
         named = tuple(_SUFFIXES.values()) if sensor is None else sensor.spec.units
+    elif owner.place == "signal" and joint_of_signal(arm, owner.at) is None:  # only a record knows
+        named = (unit_at(owner, arm, field, unit), ALONG.get(unit, unit))
     else:
         named = (unit_at(owner, arm, field, unit),)
     plain = ("-" if unit == "1" else unit for unit in named)

@@ -118,7 +118,8 @@ def places_of(kind: type[Effect], problem: Problem, arm: Arm) -> list[str]:
     assert issubclass(kind, SignalEffect)
     if kind.of_drives:
         signals = [record.signals[name] for record in records for name in record.drive]
-    return list(dict.fromkeys(s.name for s in signals if kind.sought_in(s.quantity)))
+    sought = dict.fromkeys(s.name for s in signals if kind.sought_in(s.quantity))
+    return [at for at in sought if not any(kind.typical(at, arm).problems(arm))]
 
 
 def commanded(records: Iterable[Record]) -> set[str | None]:

@@ -17,12 +17,14 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from flexarm.arm import Arm
+from flexarm.arm.joint_units import unit_at
 from flexarm.arm.parameter import with_value
 from flexarm.arm.uncertainty import with_unit
 from flexarm.comparison.poses import is_input
 from flexarm.effects.encoder_offset import EncoderOffset
 from flexarm.effects.sensor_offset import SensorOffset
 from flexarm.record import Record
+from flexarm.record.compatibility import with_encoders
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.policy import SelectionPolicy
@@ -34,7 +36,11 @@ ANGLES = ("joint_angle", "inclination")
 
 
 def with_zeros(arm: Arm, records: Mapping[str, Record], policy: SelectionPolicy) -> Arm:
-    """Return the model with offsets of 0 that are uncertain by (1), of those sensors that have none yet."""
+    """Return the model with offsets of 0 that are uncertain by (1), of those sensors that have none yet.
+
+    It knows which encoders measure joints that slide.
+    """
+    arm = with_encoders(arm, records.values())
     sigmas: dict[str, float] = {}
     units: dict[str, str] = {}
     for record in records.values():
@@ -47,8 +53,10 @@ def with_zeros(arm: Arm, records: Mapping[str, Record], policy: SelectionPolicy)
         kind = EncoderOffset if name in drives else SensorOffset
         if any(arm.effect(each.name, name) is not None for each in (EncoderOffset, SensorOffset)):
             continue
-        key = with_unit(f"effects.{kind.name}.{name}.offset", units[name])
-        arm = arm.with_effect(kind(at=name)).replace(uncertainty={**arm.uncertainty, key: sigma})
+        effect = kind(at=name)
+        unit = unit_at(effect, arm, "offset", units[name])
+        key = with_unit(f"effects.{kind.name}.{name}.offset", unit)
+        arm = arm.with_effect(effect).replace(uncertainty={**arm.uncertainty, key: sigma})
     return arm
 
 
@@ -76,7 +84,10 @@ def is_zero(key: str) -> bool:
 
 
 def without_idle_zeros(arm: Arm, stated: Arm) -> Arm:
-    """Return a model without the offsets of 0 that `with_zeros` gave to a `stated` one, and that stayed."""
+    """Return a model without the offsets of 0 that `with_zeros` gave to a `stated` one, and that stayed.
+
+    Encoders are left that effects act at.
+    """
     own = {(effect.name, effect.at) for effect in stated.effects}
     idle = {
         (effect.name, effect.at)
@@ -89,7 +100,9 @@ def without_idle_zeros(arm: Arm, stated: Arm) -> Arm:
         key: sigma for key, sigma in arm.uncertainty.items() if not (is_zero(key) and _place(key) in idle)
     }
     effects = tuple(effect for effect in arm.effects if (effect.name, effect.at) not in idle)
-    return arm.replace(effects=effects, uncertainty=kept) if idle else arm
+    named = {effect.at for effect in effects} | set(stated.encoders)
+    encoders = {name: joint for name, joint in arm.encoders.items() if name in named}
+    return arm.replace(effects=effects, uncertainty=kept, encoders=encoders)
 
 
 def of_model(refined: Iterable[Refined], arm: Arm) -> tuple[Refined, ...]:

@@ -2,40 +2,27 @@ r"""Eccentricity of an encoder: its disc is mounted off the axis, an error once 
 
 .. math:: \text{reading} = \text{true} + \text{amplitude} \, \sin(\text{true} + \text{phase})        (1)
 
-A disc of radius r whose centre is off by e errs by amplitude = e/r. Solving (1) for the true angle converges
-by repeated substitution, as amplitude < 1.
+A disc of radius r whose centre is off by e errs by amplitude = e/r.
 """
 
 from __future__ import annotations
 
 from math import pi
-
-import numpy as np
+from typing import ClassVar
 
 from flexarm.arm.arm import Arm
 from flexarm.arm.prior import Prior
-from flexarm.arm.sensor_effect import Channels, SignalEffect
-from flexarm.arm.wave_effect import WaveEffect
-from flexarm.arrays import Floats
+from flexarm.effects.periodic_encoder_error import PeriodicEncoderError
 from flexarm.tables import Number, value_in
 
 
-class EncoderEccentricity(WaveEffect, SignalEffect):
+class EncoderEccentricity(PeriodicEncoderError):
     """Eccentricity of an encoder, once per output turn."""
 
     name = "encoder_eccentricity"
-    quantities = ("joint_angle",)
-    of_drives = True
+    order: ClassVar[float] = 1.0
     amplitude: Number = value_in("rad", "amplitude of the error once per output turn", 0.0, ge=0, lt=1)
     phase: Number = value_in("rad", "phase of the error at the true angle zero", 0.0)
-
-    def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
-        """Eq. (1)."""
-        return reading + self.amplitude * np.sin(true + self.phase)
-
-    def undone(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
-        """Eq. (1) without its last term, for a true angle known so far."""
-        return reading - self.amplitude * np.sin(true + self.phase)
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Of a disc that is mounted some micrometres off the axis."""

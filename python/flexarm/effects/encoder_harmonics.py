@@ -4,7 +4,6 @@ r"""Harmonic error of an encoder: two, three or more periods per turn of the out
    + \text{amplitude} \, \sin(\text{order} \cdot \text{true} + \text{phase})                          (1)
 
 An oval disc or a pair of misplaced reading heads err twice per turn, resolvers with unequal windings too.
-Solving (1) for the true angle converges by repeated substitution, as amplitude x order < 1.
 """
 
 from __future__ import annotations
@@ -12,23 +11,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from math import pi
 
-import numpy as np
-
 from flexarm.arm.arm import Arm
 from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.prior import Prior
-from flexarm.arm.sensor_effect import Channels, SignalEffect
-from flexarm.arm.wave_effect import WaveEffect
-from flexarm.arrays import Floats
+from flexarm.effects.periodic_encoder_error import PeriodicEncoderError
 from flexarm.tables import Number, value_in
 
 
-class EncoderHarmonics(WaveEffect, SignalEffect):
+class EncoderHarmonics(PeriodicEncoderError):
     """Error of an encoder several times per output turn."""
 
     name = "encoder_harmonics"
-    quantities = ("joint_angle",)
-    of_drives = True
     shape = ("order", "phase")
     order: Number = value_in("-", "periods of the error per output turn", 2.0, ge=1)
     amplitude: Number = value_in("rad", "amplitude of the error", 0.0, ge=0, lt=1)
@@ -43,14 +36,6 @@ class EncoderHarmonics(WaveEffect, SignalEffect):
                 f"must keep amplitude x order below 1, got {self.amplitude:g} rad x {self.order:g}: "
                 "the reading would turn back at times",
             )
-
-    def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
-        """Eq. (1)."""
-        return reading + self.amplitude * np.sin(self.order * true + self.phase)
-
-    def undone(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
-        """Eq. (1) without its last term, for a true angle known so far."""
-        return reading - self.amplitude * np.sin(self.order * true + self.phase)
 
     def null(self, arm: Arm) -> dict[str, float]:
         """Return no amplitude, of the same order."""

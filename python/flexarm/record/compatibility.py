@@ -111,6 +111,18 @@ def with_units_of(record: Record, arm: Arm) -> Record:
     return record.replace(signals={**record.signals, **known}) if known else record
 
 
+def with_encoders(arm: Arm, records: Iterable[Record]) -> Arm:
+    """Return the arm that knows which encoders of the records measure joints that slide."""
+    sliding = {joint.name for joint in arm.joints if joint.type == "prismatic"}
+    found = {
+        name: signal.joint
+        for record in records
+        for name, signal in record.signals.items()
+        if signal.quantity == "joint_angle" and signal.joint in sliding - {name}
+    }
+    return arm.replace(encoders={**found, **arm.encoders}) if found else arm
+
+
 def with_overrides(record: Record, arm: Arm) -> Arm:
     """Return the arm with the payloads, lengths, controllers and tilt of the base of a run."""
     arm = with_link_lengths(_set(arm, record), record.links)
