@@ -13,7 +13,7 @@ from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.law import Law, LawSearch
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.refit import FittedLaw
-from flexarm.missing_law.shapes import closest_shape
+from flexarm.missing_law.shapes import CONSTANT, closest_shape
 from flexarm.named_effects import NORMAL_90
 from flexarm.wording import with_unit
 
@@ -143,6 +143,8 @@ def _span(value: Floats, unit: str) -> str:
 
 def _sentence(curve: LawCurve, shape: str) -> str:
     has = HAS.get(curve.quantity, f"the {curve.quantity} at {{}}").format(curve.at)
+    if shape == CONSTANT:
+        return f"{has} {shape}"
     return f"{has} as a function of {curve.of.replace('_', ' ')} {shape}"
 
 

@@ -24,6 +24,7 @@ from flexarm.missing_law.law import Law, LawSearch
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.prediction import LawCheck, gaps_with_law
 from flexarm.missing_law.refit import FittedLaw, fitted_law
+from flexarm.missing_law.shapes import is_constant
 from flexarm.missing_law.states import joint_states
 from flexarm.missing_law.windup import driven_joints
 
@@ -243,7 +244,7 @@ class _Inference:
             curve = curve_of_law(latent, search, best, self.policy)
             told = list(self._fitted(latent, best, [curve])) or [_Candidate(curve)]
             whose = f", with the {best.of} of {latent.response.joint}"
-            return place([replace(each, curve=_said(each, whose, latent.law)) for each in told])
+            return place([replace(each, curve=_said(each, whose, latent.law, self.policy)) for each in told])
         told = self._as_table(latent, search, best) or self._along_states(latent, search, best)
         shares = _shares([each.evidence for each in told], 1.0)
         pairs = zip(told, shares, strict=True)
@@ -300,13 +301,18 @@ class _Inference:
             yield _Candidate(told, AddedLaw(fitted, arm))
 
 
-def _said(told: _Candidate, whose: str, law: Mapping[str, str] | None) -> LawCurve:
+def _said(told: _Candidate, whose: str, law: Mapping[str, str] | None, policy: LawPolicy) -> LawCurve:
     """Return the curve of a slow motion with the joint whose state it is of, and why it is no effect.
 
-    `law` is that of `Latent`.
+    A constant rotation across a joint is its place in the model. `law` is that of `Latent`.
     """
     curve, why = told.curve, ""
-    if told.added is None:
+    if is_constant(np.array(curve.value), policy):
+        whose = ""
+    if told.added is None and law is None and not whose:
+        why = f'; in the model it is the origin of {curve.at}: with an uncertainty "joints.{curve.at}.origin.'
+        why += 'rpy_rad" a diagnosis refines it'
+    elif told.added is None:
         why = "; it is no part of the model"
         if law is None:
             why += ", which has no table for a rotation of a joint across its axis"

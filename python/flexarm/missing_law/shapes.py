@@ -19,6 +19,7 @@ from flexarm.arrays import Floats
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.wording import with_unit
 
+CONSTANT = "is constant"
 Functions = Callable[[Floats, float], list[Floats]]
 
 
@@ -70,10 +71,18 @@ SHAPES = (
 )
 
 
+def is_constant(value: Floats, policy: LawPolicy) -> bool:
+    """Return True if a curve varies less about its mean than a known shape may miss it by."""
+    mean = float(np.mean(value))
+    return float(np.std(value)) <= policy.shape_error * abs(mean)
+
+
 def closest_shape(
     x: Floats, value: Floats, covariance: Floats, policy: LawPolicy, unit: str, of: str, of_unit: str
 ) -> str:
     """Return words such as "is linear: 2.1e-06 rad per N m", or that no known shape is close."""
+    if is_constant(value, policy):
+        return CONSTANT
     peak = float(np.abs(value - np.median(value)).max())
     if peak == 0:
         return "is zero"

@@ -98,7 +98,7 @@ def slow_motions(arm: Arm, policy: LawPolicy) -> Iterator[SlowMotion]:
         sides = [_on_turned_base(arm, turn * axis) for turn in (e, -e)]
         yield _rotation(arm, BASE, axis, sides, e)
     for joint in arm.moving_joints:
-        for axis in np.array(across(joint.axis)):
+        for axis in map(_upward, np.array(across(joint.axis))):
             sides = [_turned_across(arm, joint, turn * axis) for turn in (e, -e)]
             yield _rotation(arm, joint.name, axis, sides, e)
     for link in (each for each in arm.links if isinstance(each, Beam)):
@@ -190,6 +190,11 @@ def _loaded(arm: Arm, load: Payload, mass: float) -> Arm:
     name = "_".join(["more", *(each.name for each in arm.payloads)])
     more = Payload(name=name, link=load.link, position=load.position, mass=mass)
     return arm.replace(payloads=(*arm.payloads, more))
+
+
+def _upward(axis: Floats) -> Floats:
+    """Return a direction or its opposite, so that it points along the axis it is nearest to."""
+    return np.asarray(axis * np.sign(axis[np.argmax(np.abs(axis))]))
 
 
 def _letter(axis: Floats) -> str:

@@ -221,6 +221,19 @@ def test_no_slow_motion_is_shown_where_none_is_missing(model, seed):
     assert searched(model, record, record).curves == ()
 
 
+@pytest.mark.parametrize("turn", [1.5e-3, -1.5e-3])
+def test_a_joint_that_stands_otherwise_than_in_the_model_is_told_as_its_origin(turn):
+    model = two_links().replace(points=(point("tip", "fore", [0, 0, 1.0]), point("mid", "fore", [0, 0, 0.5])))
+    shoulder, elbow = model.joints
+    turned = elbow.replace(origin=elbow.origin.replace(rpy=(turn, 0.0, 0.0)))
+    record = record_of(model.replace(joints=(shoulder, turned)), ("shoulder", "elbow"), {}, "tip", "mid")
+    curve = searched(model, record, record).curves[0]
+    assert (curve.at, curve.quantity) == ("elbow", "rotation about x")
+    assert np.array(curve.value) == pytest.approx(turn, abs=0.1 * abs(turn))
+    assert curve.says.startswith("the rotation about x at elbow is constant")
+    assert 'with an uncertainty "joints.elbow.origin.rpy_rad"' in curve.says
+
+
 def test_a_windup_of_a_joint_stands_before_slow_motions_that_fit_alike():
     """An elbow that gives way with its torque, seen in two places."""
     x = np.linspace(-150.0, 150.0, 21)
@@ -266,7 +279,7 @@ def test_a_joint_turns_across_its_axis_where_its_frame_pitches_by_a_right_angle(
     )
     turn = Rotation.from_euler("xyz", origin["rpy"])
     tip = turn.apply([0.3, 0.2, 0.5])
-    for letter, axis in (("x", [1, 0, 0]), ("z", [0, 0, -1])):  # as `across` gives them
+    for letter, axis in (("x", [1, 0, 0]), ("z", [0, 0, 1])):
         found = moves(motions(model)["b", f"rotation about {letter}"], {})
         expected = [np.cross(turn.apply(axis), tip), np.zeros(3)]
         assert np.asarray(found) == pytest.approx(np.array(expected), abs=1e-6)
