@@ -49,7 +49,7 @@ module: build/release/build.ninja
 
 ## C++ tests, and the Python tests of which each takes a few seconds at most; make check runs the long ones.
 ## A file's tests share what it makes, so they stay in one process.
-PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CMAKE_BUILD_PARALLEL_LEVEL) --dist loadfile
+PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CMAKE_BUILD_PARALLEL_LEVEL) --dist loadfile --no-loadscope-reorder
 
 test:
 	@$(MAKE) -j2 module setup

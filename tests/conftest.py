@@ -19,10 +19,19 @@ SLOW = ("measured", "golden", "notebooks")
 """Folders whose tests take minutes: `make check` runs them, as all that is marked so in other folders."""
 
 
+FIRST = ("torture", *SLOW)
+"""Folders whose files take longest, so that no worker is left with one of them at the end."""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
-        if item.path.relative_to(ROOT / "tests").parts[0] in SLOW:
+        if _folder(item) in SLOW:
             item.add_marker(pytest.mark.slow)
+    items.sort(key=lambda item: _folder(item) not in FIRST)
+
+
+def _folder(item: pytest.Item) -> str:
+    return item.path.relative_to(ROOT / "tests").parts[0]
 
 
 @pytest.fixture(scope="session")
