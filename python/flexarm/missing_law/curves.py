@@ -54,8 +54,9 @@ def _numbers(values: Floats) -> tuple[float, ...]:
 def curve_of_law(latent: Latent, search: LawSearch, law: Law, policy: LawPolicy) -> LawCurve:
     """Return a law about the latent motion as data; its probability is 1."""
     assert latent.response is not None
-    joint = (latent.response.joint,)
-    of_unit = OF_UNITS[law.of]  # the motor turns, whatever it moves
+    state, _, other = law.of.partition(" of ")
+    joint = (other or latent.response.joint,)
+    of_unit = OF_UNITS[state]  # the motor turns, whatever it moves
     curve = LawCurve(
         latent.at,
         latent.quantity,

@@ -28,7 +28,7 @@ from flexarm.missing_law.basis import TimeBasis
 from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.law import Law
 from flexarm.missing_law.policy import LawPolicy
-from flexarm.missing_law.states import states_of
+from flexarm.missing_law.states import ANGLE_OF, angles_of, states_of
 from flexarm.missing_law.windup import drive_plus
 
 if TYPE_CHECKING:
@@ -119,9 +119,11 @@ def _runs(
     drive = runs.drive(name, runs.records[name].applied_to(arm)).joints[joint]
     basis = TimeBasis.over(float(run.time[0]), float(run.time[-1]), policy)
     fine = basis.fine(policy)
+    others = [law.of.removeprefix(ANGLE_OF)] if law.of.startswith(ANGLE_OF) else []
     window = max(int(policy.window / float(np.median(np.diff(run.time)))), 1)
     for _ in range(policy.rounds):
         states = states_of(run, joint, run.time, arm.joint(joint).gear_ratio, policy)
+        states |= angles_of(run, others, run.time)
         slow = {
             key: np.interp(
                 fine,

@@ -25,7 +25,7 @@ from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.prediction import LawCheck, gaps_with_law
 from flexarm.missing_law.refit import FittedLaw, fitted_law
 from flexarm.missing_law.shapes import is_constant
-from flexarm.missing_law.states import joint_states
+from flexarm.missing_law.states import ANGLE_OF, States, joint_states, other_angles
 from flexarm.missing_law.windup import driven_joints
 
 NOTHING = (
@@ -221,34 +221,52 @@ class _Inference:
         if latent.response is None:
             told = [_Candidate(replace(in_time, kind="time" if drifts else "none", says=outside))]
             return place(told)
-        search = LawSearch(latent, joint_states(latent, self.policy), self.problem, self.fit, self.policy)
-        best = next(iter(search.best()), None)
+        search, best = self._best_law(latent)
         if best is None:
             says = f"no state of {latent.response.joint} changes"
             return place([_Candidate(replace(in_time, kind="none", says=says))])
         in_blocks = latent.model.predictive(search.blocks)
-        share = search.share(best)
-        if latent.slow:  # told without a simulation of the law
-            predicts = best.model.log_evidence > latent.model.log_evidence
-        else:
-            predicts = best.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share
-        if share < self.policy.least_share or not predicts:
+        if not self._predicts(search, best, in_blocks):
             kind: LawKind = "time" if drifts and in_blocks > best.predictive else "none"
-            what = (
-                "drifts with time" if kind == "time" else f"follows no state: {best.of} explains {share:.0%}"
-            )
+            nothing = f"follows no state: {best.of} explains {search.share(best):.0%}"
+            what = "drifts with time" if kind == "time" else nothing
             says = outside if latent.slow else f"the windup of {latent.at} {what}"
             return place([_Candidate(replace(in_time, kind=kind, says=says))])
         place = partial(_Place, latent, max(latent.model.log_evidence, best.model.log_evidence))
         if latent.slow:
             curve = curve_of_law(latent, search, best, self.policy)
             told = list(self._fitted(latent, best, [curve])) or [_Candidate(curve)]
-            whose = f", with the {best.of} of {latent.response.joint}"
+            whose = "" if best.of.startswith(ANGLE_OF) else f", with the {best.of} of {latent.response.joint}"
             return place([replace(each, curve=_said(each, whose, latent.law, self.policy)) for each in told])
         told = self._as_table(latent, search, best) or self._along_states(latent, search, best)
         shares = _shares([each.evidence for each in told], 1.0)
         pairs = zip(told, shares, strict=True)
         return place([replace(each, curve=replace(each.curve, probability=share)) for each, share in pairs])
+
+    def _best_law(self, latent: Latent) -> tuple[LawSearch, Law | None]:
+        """Return the best law of a place over states of its joint, if any changes, and the search for it.
+
+        The angle of another joint is taken if it predicts clearly better.
+        """
+
+        def over(states: States) -> tuple[LawSearch, Law | None]:
+            search = LawSearch(latent, states, self.problem, self.fit, self.policy)
+            return search, next(iter(search.best()), None)
+
+        search, best = over(joint_states(latent, self.policy))
+        beside, other = over(other_angles(latent, self.policy))
+        if other and (best is None or other.predictive > best.predictive + self.policy.evidence):
+            return beside, other
+        return search, best
+
+    def _predicts(self, search: LawSearch, law: Law, in_blocks: float) -> bool:
+        """Return True if a law explains enough, and predicts no worse than the motion in time does."""
+        latent, share = search.latent, search.share(law)
+        if latent.slow:  # told without a simulation of the law
+            predicts = law.model.log_evidence > latent.model.log_evidence
+        else:
+            predicts = law.predictive > in_blocks - self.policy.evidence or share > self.policy.clear_share
+        return predicts and share >= self.policy.least_share
 
     def _as_table(self, latent: Latent, search: LawSearch, best: Law) -> list[_Candidate]:
         """Return the law of a state, fitted through the simulation; one curve if that leaves only noise."""

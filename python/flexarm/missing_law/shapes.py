@@ -47,6 +47,7 @@ _PLACES = tuple(np.linspace(-0.9, 0.9, 37).tolist())
 
 SHAPES = (
     Shape("linear", lambda x, b: [_one(x), x]),
+    Shape("quadratic", lambda x, b: [_one(x), x, x**2]),
     Shape("cubic", lambda x, b: [_one(x), x, x**3]),
     Shape("dead zone", lambda x, b: [_one(x), np.sign(x) * np.maximum(np.abs(x) - b, 0)], _WIDTHS, "beyond"),
     Shape("sign", lambda x, b: [_one(x), np.tanh(x / (0.02 * b))]),
@@ -91,7 +92,7 @@ def closest_shape(
     reach = float(np.abs(x).max())
     found = []
     for shape in SHAPES:
-        if shape.only and of not in shape.only:
+        if shape.only and of.partition(" of ")[0] not in shape.only:
             continue
         for b in shape.grid:
             size = b * reach if shape.of_x else b

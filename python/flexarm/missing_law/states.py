@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,11 +11,14 @@ import numpy as np
 from flexarm.arrays import Floats
 from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.policy import LawPolicy
+from flexarm.missing_law.windup import driven_joints
 
 if TYPE_CHECKING:
     from flexarm.comparison.pose_sequence import PoseSequence
     from flexarm.simulation import Simulation
 
+ANGLE_OF = "angle of "
+"""Prefix of the angles of other joints."""
 ARRAYS = {"torque": "joint_torque", "angle": "joint_angle", "rate": "joint_rate"}
 """Arrays of a run that states are read from, by name; one more is the motor's angle within a turn."""
 
@@ -52,6 +56,32 @@ def states_of(
         if np.ptp(turn) > 2 * np.pi * policy.least_turns and step < 2 * np.pi * policy.turn_step:
             found["motor_angle"] = np.mod(turn, 2 * np.pi)
     return found
+
+
+def angles_of(run: Simulation | PoseSequence, joints: Iterable[str], time: Floats) -> dict[str, Floats]:
+    """Return the angles of joints at instants, as the states `angle of NAME`."""
+    column = {joint.name: k for k, joint in enumerate(run.arm.moving_joints)}
+    return {ANGLE_OF + name: np.interp(time, run.time, run.joint_angle[:, column[name]]) for name in joints}
+
+
+def other_angles(latent: Latent, policy: LawPolicy) -> States:
+    """Return the angles of the other joints that drives turn, as `joint_states` does those of its own."""
+    response = latent.response
+    assert response is not None
+    problem, parts = response.problem, response.parts(latent.mean)
+    driven = [driven_joints(problem, response.arm, name) for name in response.bases]
+    joints = sorted(set.intersection(*map(set, driven)) - {response.joint})
+    times = [basis.fine(policy) for basis in response.bases.values()]
+    each = [
+        angles_of(response.run(name, parts[name]).simulation, joints, time)
+        for name, time in zip(response.bases, times, strict=True)
+    ]
+    joined = {key: np.concatenate([found[key] for found in each]) for key in each[0]}
+    return States(
+        np.repeat(np.arange(len(times)), [len(time) for time in times]),
+        np.concatenate(times),
+        {key: v for key, v in joined.items() if np.ptp(v) > policy.least_range * np.abs(v).max()},
+    )
 
 
 def joint_states(latent: Latent, policy: LawPolicy) -> States:

@@ -14,6 +14,7 @@ from planted import swing
 from scipy.spatial.transform import Rotation
 
 import flexarm
+from flexarm.arm.attachment import Point
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.nuisance import nuisance_model
@@ -221,9 +222,34 @@ def test_no_slow_motion_is_shown_where_none_is_missing(model, seed):
     assert searched(model, record, record).curves == ()
 
 
+def fore_link_seen_twice() -> flexarm.Arm:
+    """So that a rotation of the elbow is told from a curvature of its link."""
+    ends = {"tip": 1.0, "mid": 0.5}
+    points = tuple(Point(name=name, link="fore", position=(0.0, 0.0, z)) for name, z in ends.items())
+    return two_links().replace(points=points)
+
+
+def test_a_windup_that_follows_another_joint_is_told_over_the_angle_of_that_joint():
+    """An elbow whose motor is turned along by the shoulder, as cables through a common hub do."""
+    part, joints = 4e-3, ("shoulder", "elbow")
+
+    def coupled(seed: int) -> Record:
+        record = record_of(fore_link_seen_twice(), joints, {}, "tip", "mid", seed=seed)
+        shoulder, elbow = (record.signals[name] for name in joints)
+        read = elbow.replace(values=elbow.values - part * shoulder.values)
+        return record.replace(signals={**record.signals, "elbow": read})
+
+    curves = searched(fore_link_seen_twice(), coupled(1), coupled(2)).curves
+    curve = next(each for each in curves if each.quantity == "windup")
+    assert (curve.at, curve.of, curve.of_unit, curve.kind) == ("elbow", "angle of shoulder", "rad", "law")
+    assert "as a function of angle of shoulder is linear" in curve.says
+    assert np.gradient(curve.value, curve.x) == pytest.approx(part, rel=0.05)
+    assert curve.held_out.after_rms < 0.1 * curve.held_out.before_rms
+
+
 @pytest.mark.parametrize("turn", [1.5e-3, -1.5e-3])
 def test_a_joint_that_stands_otherwise_than_in_the_model_is_told_as_its_origin(turn):
-    model = two_links().replace(points=(point("tip", "fore", [0, 0, 1.0]), point("mid", "fore", [0, 0, 0.5])))
+    model = fore_link_seen_twice()
     shoulder, elbow = model.joints
     turned = elbow.replace(origin=elbow.origin.replace(rpy=(turn, 0.0, 0.0)))
     record = record_of(model.replace(joints=(shoulder, turned)), ("shoulder", "elbow"), {}, "tip", "mid")
