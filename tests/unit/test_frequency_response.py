@@ -10,7 +10,7 @@ from right_files import RESPONSES
 
 import flexarm
 from flexarm.cli.run import run
-from flexarm.record import Frame, Signal
+from flexarm.record import Clock, Frame, Signal
 from flexarm.units import ratio_factor
 
 ANGLE, RATIO = 0.3, 120.0
@@ -192,6 +192,81 @@ def test_joints_are_inputs_by_torque_and_angle(quantity, side, port, factor):
     assert table.columns[1] == f"measured x real [{found.signals['tip'].unit}]"
     columns = table.to_numpy()
     assert columns[:, 1:5] == pytest.approx(columns[:, [3, 4, 1, 2]], rel=1e-4)  # measured and model
+
+
+STIFFNESS, DAMPING, INERTIA = 2e4, 30.0, 3.4
+LATE = 4e-3
+
+
+def two_inertias(*effects: dict) -> flexarm.Arm:
+    """A rigid link behind a soft reducer that turns backwards, without gravity."""
+    rod = {"name": "rod", "type": "rigid", "mass": 1.0, "com": [0, 0, 0], "inertia": [2.0, INERTIA, 2.0]}
+    return flexarm.Arm.from_dict(
+        {
+            "gravity": [0, 0, 0],
+            "joints": [{**hinge("hinge", "rod"), "gear_ratio": -RATIO, "rotor_inertia": 1e-3}],
+            "links": [rod],
+            "points": [point("tip", "rod", [0, 0, 1.0])],
+            "effects": [compliance("hinge", STIFFNESS, DAMPING), *effects],
+        }
+    )
+
+
+def response_to_angle(model: flexarm.Arm, of: str, clock: str = "", **place: object) -> NDArray:
+    """Response to the angle of the hinge that the model tells."""
+    drive = Signal(
+        name="drive",
+        quantity="joint_angle",
+        joint="hinge",
+        side=of,
+        values=np.empty((0, 1)),
+        frequency=np.empty(0),
+    )
+    ones = np.tile([1.0, 0.0], (len(FREQUENCY), 1))
+    out = Signal(name="out", values=ones, frequency=FREQUENCY, input="drive", clock=clock, **place)
+    clocks = {"": Clock(), "late": Clock(offset=LATE), "lost": Clock(unknown=True)}
+    record = flexarm.Record(signals=[drive, out], kind="frequency_response", clocks=clocks)
+    return flexarm.compare_responses(model, record).signals["out"].model[:, 0]
+
+
+GYRO = {"quantity": "angular_rate", "point": "tip", "axes": ("y",)}
+LINK = {"quantity": "joint_angle", "joint": "hinge", "side": "output"}
+S = 2j * np.pi * FREQUENCY
+FOLLOWS = (STIFFNESS + DAMPING * S) / (INERTIA * S**2 + STIFFNESS + DAMPING * S)
+"""The link's angle over the motor's."""
+
+
+def test_an_angle_is_an_input_on_either_side_of_the_gear():
+    """Of the link's own angle the gyroscope reads the rate, however soft the reducer is."""
+    model = two_inertias()
+    assert response_to_angle(model, "output", **GYRO) == pytest.approx(S, rel=1e-9)
+    assert response_to_angle(model, "motor", **GYRO) == pytest.approx(S * FOLLOWS, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "at", "keys", "factor"),
+    [
+        ("encoder_scale", "out", {"scale": 1.02}, 1.02),
+        ("encoder_scale", "drive", {"scale": 1.02}, 1 / 1.02),
+        ("encoder_eccentricity", "out", {"amplitude": 0.05, "phase": 0.4}, 1 + 0.05 * np.cos(0.4)),
+        ("sign_error", "out", {}, -1.0),
+        ("unit_error", "out", {"factor": 1e3}, 1e3),
+        ("time_delay", "out", {"delay": LATE}, np.exp(-S * LATE)),
+        ("time_delay", "drive", {"delay": LATE}, np.exp(S * LATE)),
+    ],
+)
+def test_effects_of_sensors_act_on_responses(name, at, keys, factor):
+    """As on a motion: the response of two sinusoids that both sensors show."""
+    model = two_inertias({"name": name, "at": at, **keys})
+    assert response_to_angle(model, "motor", **LINK) == pytest.approx(FOLLOWS * factor, rel=1e-6)
+
+
+def test_a_response_on_a_late_clock_lags():
+    model = two_inertias()
+    late = response_to_angle(model, "motor", clock="late", **LINK)
+    assert late == pytest.approx(FOLLOWS * np.exp(-S * LATE), rel=1e-9)
+    with pytest.raises(flexarm.InvalidParameter, match=r"clocks\.lost: is unknown, and the response 'out'"):
+        response_to_angle(model, "motor", clock="lost", **LINK)
 
 
 def test_the_command_prints_a_table_and_an_object(folder, tmp_path, capsys):

@@ -2,9 +2,14 @@ r"""Measured frequency responses beside those of the linear model about the load
 
 .. math:: g = H_{measured} - H_{model},   H_{model} = C (i \omega - A)^{-1} B + D                    (1)
 
-with joints where the record has them and their drives held, but where the input is a motor's torque. Of a
-motor's angle as input the model knows the acceleration; its response is (i omega)^2 times that. Noise is 1
-sigma of real and imaginary part, so that |g| over sqrt(2) noise counts.
+with joints where the record has them and their drives held, but where the input is a motor's torque. Of an
+angle as input the model takes the motor's acceleration, and the response is the ratio of those of output and
+angle, on its side of the gear. Sensors of the output (o) and of the input (i) have the effects of the model,
+
+.. math:: H \to H \, \frac{s_o}{s_i} e^{-i \omega (\tau_o - \tau_i)}                                       (2)
+
+with s the slope of a sensor's reading at rest, and tau how late its clock is. Noise is 1 sigma of real and
+imaginary part, so that |g| over sqrt(2) noise counts.
 """
 
 from __future__ import annotations
@@ -215,12 +220,7 @@ def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
     gaps = {}
     for name, signal in record.signals.items():
         if signal.input and (signal.valid & (signal.stamps > 0)).any():
-            frame = record.frames.get(signal.frame)
-            if frame is not None and frame.unknown and signal.quantity in SEEN_IN_FRAMES:
-                raise InvalidParameter(
-                    f"is unknown, and the response {name!r} is seen in it; state how it stands to the base",
-                    where=f"frames.{signal.frame}",
-                )
+            _require_known(record, signal)
             gaps[name] = _gap(carried, record, signal, found)
     if not gaps:
         raise InvalidParameter("holds no value of a response at a frequency above 0", where="signals")
@@ -232,6 +232,23 @@ def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
 
 MODES = 6
 """Most modes that are told."""
+
+
+def _require_known(record: Record, signal: Signal) -> None:
+    """Raise InvalidParameter if a response is seen in an unknown frame, or by clocks of unknown offset."""
+    frame = record.frames.get(signal.frame)
+    if frame is not None and frame.unknown and signal.quantity in SEEN_IN_FRAMES:
+        raise InvalidParameter(
+            f"is unknown, and the response {signal.name!r} is seen in it; state how it stands to the base",
+            where=f"frames.{signal.frame}",
+        )
+    clocks = {signal.clock, record.signals[signal.input].clock}
+    unknown = [name for name in clocks if len(clocks) > 1 and record.clocks[name].unknown]
+    if unknown:
+        raise InvalidParameter(
+            f"is unknown, and the response {signal.name!r} and its input are on two clocks; state its offset",
+            where=f"clocks.{unknown[0]}",
+        )
 
 
 def _gap(arm: Arm, record: Record, signal: Signal, modes_hz: list[float]) -> ResponseGap:
@@ -262,23 +279,41 @@ def _response(arm: Arm, record: Record, signal: Signal, frequency: Floats) -> Co
     """Return H of the model, shape (n, channels)."""
     to = record.signals[signal.input]
     place = str(to.point if to.quantity == "force" else to.joint)
-    sensor = _sensor(signal)
-    model = linearise(arm, dict(record.joints), inputs={place: PORTS[to.quantity]}, outputs=[sensor])
+    by_angle = [_sensor(to)] if to.quantity == "joint_angle" else []
+    outputs = [_sensor(signal), *by_angle]
+    model = linearise(arm, dict(record.joints), inputs={place: PORTS[to.quantity]}, outputs=outputs)
     column = "xyz".index(to.axes[0]) if to.quantity == "force" else 0
-    H = model.frequency_response(frequency)[:, :, column]
-    if to.quantity == "joint_angle":
-        H = H * (2j * np.pi * frequency[:, None]) ** 2  # of the angle, from that of its acceleration
+    H, rest = model.frequency_response(frequency)[:, :, column], model.output_at_rest
+    stands = float(model.input_at_rest[column])
+    if by_angle:
+        H, rest, stands = H[:, :-1] / H[:, -1:], rest[:-1], float(rest[-1])
     elif to.quantity == "motor_torque" and to.side != "output":
-        H = H * gear_ratio(arm, place)  # of the torque at the shaft
+        ratio = gear_ratio(arm, place)  # of the torque at the shaft
+        H, stands = H * ratio, stands / ratio
     if signal.quantity == "position":
         frame = effects_of(arm, signal).registration(stated_placement(record).frame(signal))
-        turned = frame.scale * H @ frame.error_rotation.T @ frame.frame_axes
-        H = turned[:, columns(signal.axes)]
-    return np.asarray(H)
+        turned, axes = frame.error_rotation.T @ frame.frame_axes, columns(signal.axes)
+        H, rest = frame.scale * (H @ turned)[:, axes], frame.positions(rest[None], axes=axes)[0]
+    slopes = _slopes(arm, signal, rest) / _slopes(arm, to, np.array([stands]))
+    late = _delay(arm, record, signal) - _delay(arm, record, to)
+    return np.asarray(H * slopes * np.exp(-2j * np.pi * frequency[:, None] * late))  # eq. (2)
+
+
+def _slopes(arm: Arm, signal: Signal, rest: Floats) -> Floats:
+    """Return s of (2) by channel, of a sensor that reads `rest` without effects."""
+    step = 1e-6 * np.maximum(1.0, np.abs(rest))
+    seen = effects_of(arm, signal)
+    high, low = seen.reading(np.array([rest + step, rest - step]), rounded=False)
+    return np.asarray((high - low) / (2 * step))
+
+
+def _delay(arm: Arm, record: Record, signal: Signal) -> float:
+    """Return tau of (2) [s]."""
+    return effects_of(arm, signal).clock(stated_placement(record).clock(signal), 0.0).delay
 
 
 def _sensor(signal: Signal) -> Sensor:
-    """Return what reads the output of the linear model; positions along the base's axes."""
+    """Return what reads a signal of the linear model; positions along the base's axes."""
     if signal.quantity == "orientation":
         what = "is an orientation, of which the linear model tells no response; take angular_rate"
         raise InvalidParameter(what, where=f"signals.{signal.name}.quantity")
