@@ -10,6 +10,7 @@ from arms import point, there_and_back, tracker
 from pytest import approx
 
 import flexarm
+from flexarm.arm import Cascade
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.design.experiment import NOISE, from_drive, from_record
 from flexarm.diagnosis.policy import SelectionPolicy
@@ -157,6 +158,68 @@ def test_a_record_is_made_again_with_its_sensors_noise_and_payload():
     assert not any("torque" in each.addition for tie in found.ties for each in tie.partings)
     assert found.effect("reflector_offset", "tip").seen
     assert ("time_delay", "tracker") in [e.place for e in found.effects]
+
+
+def rows_of(record):
+    return {name: len(signal) for name, signal in record.signals.items() if name != "hinge"}
+
+
+@pytest.mark.parametrize("late", [Clock(offset=5.0, sigma=2e-3), Clock(unknown=True)])
+def test_stamps_on_another_clock_lose_no_rows(late):
+    """The same record, whose tracker counts from 5 s earlier."""
+    model = crane(tracker("tip"))
+    record = from_drive("run", there_and_back(8.0), model, CLOCKS, FRAMES).record(model, 4e-3, -0.05)
+    tip = record.signals["tip"]
+    shifted = record.replace(
+        signals={**record.signals, "tip": tip.replace(time=tip.time + 5.0)},
+        clocks={**record.clocks, "tracker": late},
+    )
+    again = from_record("again", shifted, model).record(model, 4e-3, -0.05)
+    assert rows_of(again) == rows_of(record)
+    assert again.signals["tip"].time == approx(tip.time + again.clocks["tracker"].offset, abs=1e-6)
+
+
+def test_a_drive_that_is_late_against_the_reference_stays_the_runs_time():
+    """Offsets count from the reference, stamps of a run from its drive."""
+    model = crane(tracker("tip"))
+    record = from_drive("run", there_and_back(8.0), model, CLOCKS, FRAMES).record(model, 4e-3, -0.05)
+    clocks = {"tracker": Clock(), "controller": Clock(offset=3.0)}
+    hinge = record.signals["hinge"]
+    shifted = record.replace(
+        clocks=clocks,
+        signals={**record.signals, "hinge": hinge.replace(time=hinge.time + 3.0)},
+    )
+    again = from_record("again", shifted, model).record(model, 4e-3, -0.05)
+    assert rows_of(again) == rows_of(record)
+    compared = flexarm.compare(model, again)
+    assert compared.signals["tip"].rms["total"] < 3e-4  # noise of two axes, no shift of the clock
+
+
+def test_a_faster_run_keeps_sensors_that_begin_late():
+    late = tracker("tip").replace(start=6.0)
+    run = from_drive("run", there_and_back(10.0), crane(late), CLOCKS, FRAMES)
+    assert len(run.faster(2.0).record(crane(), 4e-3, -0.05).signals["tip"]) > 10
+
+
+def test_a_record_is_made_again_with_its_gains():
+    """The encoder lags behind the command by about one over the gain of the record, not of the model."""
+    slack = Cascade(joint="hinge", position_gain=4.0, velocity_gain=2e3, sample_time=4e-3)
+    model = crane(tracker("tip"))
+    [motor] = model.joints
+    model = model.replace(joints=[motor.replace(rotor_inertia=5e-3)], gravity=(0, 0, 0), controllers=[slack])
+    time = np.linspace(0.0, 4.0, 1001)
+    command = flexarm.Drive.from_samples(time, {"hinge": 0.1 * time**2}, side="command")
+    sensors = [
+        Sensor(name=name, quantity=quantity, joint="hinge", rate_hz=250)
+        for name, quantity in (("told", "joint_command"), ("encoder", "joint_angle"))
+    ]
+    tight = {"hinge": {"position_gain": 8.0}}
+    run = flexarm.simulate(flexarm.Record(signals={}, controllers=tight).applied_to(model), command)
+    record = flexarm.measure(run, sensors, np.random.default_rng(0), drive=["told"], controllers=tight)
+    again = from_record("again", record, model).record(model, 4e-3, -0.05)
+    shown, expected = (each.signals["encoder"] for each in (again, record))
+    there = np.interp(3.0, expected.time, expected.values[:, 0])
+    assert np.interp(3.0, shown.time, shown.values[:, 0]) == approx(there, abs=1e-3)
 
 
 def test_the_file_holds_what_is_printed():

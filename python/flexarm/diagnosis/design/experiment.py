@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.arm.sensor import Sensor
+from flexarm.comparison.alignment_parameters import drive_clock, is_unknown_clock, stated_placement
 from flexarm.diagnosis.policy import DESIGN
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
@@ -25,6 +26,9 @@ from flexarm.wording import scale
 if TYPE_CHECKING:
     from flexarm.arm import Arm
     from flexarm.record.table import BaseStand, CarriedPayload, DrawnLink
+
+TABLES = ("payloads", "links", "controllers", "base")
+"""Tables of a record that change the model."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +49,8 @@ class Experiment:
     """Frames of trackers."""
     payloads: Mapping[str, CarriedPayload] = field(default_factory=dict)
     links: Mapping[str, DrawnLink] = field(default_factory=dict)
-    """Payloads and lengths of links, as in a record."""
+    controllers: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Payloads, lengths of links and settings of controllers, as in a record."""
     base: BaseStand | None = None
     """Stand of the base, as in a record."""
     assumed: tuple[str, ...] = ()
@@ -53,11 +58,14 @@ class Experiment:
 
     def run(self, arm: Arm, step: float, alpha: float) -> Simulation:
         """Return the motion of a model."""
-        tables = Record(signals={}, payloads=self.payloads, links=self.links, base=self.base)
+        carried = Record(signals={}, **self._tables).applied_to(arm)
         forces = any(sensor.quantity == "strain" for sensor in self.sensors)
-        return simulate(
-            tables.applied_to(arm), self.drive, step=step, alpha=alpha, rotations=True, forces=forces
-        )
+        return simulate(carried, self.drive, step=step, alpha=alpha, rotations=True, forces=forces)
+
+    @property
+    def _tables(self) -> dict[str, Any]:
+        """Those of `TABLES`."""
+        return {name: getattr(self, name) for name in TABLES}
 
     def record(self, arm: Arm, step: float, alpha: float) -> Record:
         """Return what the sensors would write of a model; with their noise, which no difference of models
@@ -70,10 +78,8 @@ class Experiment:
             np.random.default_rng(0),
             clocks=self.clocks,
             frames=self.frames,
-            payloads=self.payloads,
-            links=self.links,
-            base=self.base,
             joints=dict(self.drive.rest),
+            **self._tables,
         )
         drives = [self._shown(joint, name, arm) for joint, name in self.drivers.items()]
         signals = {**{signal.name: signal for signal in drives}, **seen.signals}
@@ -113,7 +119,9 @@ class Experiment:
             for name, each in drive.joints.items()
         }
         end = drive.start + (drive.end - drive.start) / times
-        return replace(self, drive=replace(drive, joints=joints, end=end, lead=drive.lead / times))
+        drive = replace(drive, joints=joints, end=end, lead=drive.lead / times)
+        sensors = tuple(sensor.replace(start=sensor.start / times) for sensor in self.sensors)
+        return replace(self, drive=drive, sensors=sensors)
 
     def turned(self, joint: str, angle: float) -> Experiment:
         """Return the same motion with a joint elsewhere [rad, m]."""
@@ -191,38 +199,50 @@ def from_drive(
 
 
 def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] | None = None) -> Experiment:
-    """Return a motion that repeats a record: its signals, rates, clocks, frames and payloads.
+    """Return a motion that repeats a record: its signals, rates, clocks, frames and tables.
 
-    `noise` is 1 sigma of signals that state none [SI].
+    `noise` is 1 sigma of signals that state none [SI]. Signals on a clock of unknown offset begin with it.
     """
     drive = Drive.from_record(record, arm)
     # after its last break a drive is held, where its rate would jump
     last = max((float(each.breaks[-1]) for each in drive.joints.values()), default=drive.end)
     drive = replace(drive, end=min(drive.end, last))
     drivers = {str(record.signals[d].joint): d for d in record.drive}
-    own = next((record.signals[d].clock for d in record.drive), record.reference_clock)
+    tables = {name: getattr(record, name) for name in TABLES}
+    own, clocks = drive_clock(record), _counted_from_drive(record)
     said: list[str] = []
     sensors = [
-        _as_sensor(signal, drive.start, noise or {}, said)
+        _as_sensor(signal, _start(record, signal, drive), noise or {}, said)
         for signal in record.signals.values()
         if signal.name not in record.drive and signal.quantity in NOISE and len(signal.time) > 1
     ]
     if not sensors:
-        alone = from_drive(name, drive, arm, record.clocks, record.frames)
-        return replace(alone, drivers=drivers, payloads=record.payloads, links=record.links, base=record.base)
-    clocks = {own: record.clocks[own], **record.clocks}
+        alone = from_drive(name, drive, arm, clocks, record.frames)
+        return replace(alone, drivers=drivers, **tables)
     return Experiment(
         name,
         drive,
         drivers,
         tuple(sensors),
-        clocks,
+        {own: clocks[own], **clocks},
         record.frames,
-        record.payloads,
-        record.links,
-        record.base,
-        tuple(said),
+        assumed=tuple(said),
+        **tables,
     )
+
+
+def _counted_from_drive(record: Record) -> dict[str, Clock]:
+    """Return the clocks of a record, by how late they are with respect to that of the drive."""
+    placed = stated_placement(record).clocks
+    return {name: clock.replace(offset=placed[name].delay) for name, clock in record.clocks.items()}
+
+
+def _start(record: Record, signal: Signal, drive: Drive) -> float:
+    """Return how long after the drive a signal begins [s]; 0 where its clock does not tell."""
+    if is_unknown_clock(record, signal.clock):
+        return 0.0
+    first = stated_placement(record).clock(signal).instants(signal.time[:1])
+    return max(0.0, float(first[0]) - drive.start)
 
 
 def _tracker(arm: Arm, drive: Drive) -> Sensor:
@@ -260,7 +280,7 @@ def _size(value: float, unit: str) -> str:
 
 
 def _as_sensor(signal: Signal, start: float, noise: Mapping[str, float], said: list[str]) -> Sensor:
-    """Return a sensor that would give a signal again."""
+    """Return a sensor that would give a signal again, from `start` [s] after the drive on."""
     span = float(signal.time[-1] - signal.time[0])
     sigma = signal.noise_std or noise.get(signal.name)
     if not sigma:
@@ -276,6 +296,6 @@ def _as_sensor(signal: Signal, start: float, noise: Mapping[str, float], said: l
         unit=signal.unit or None,
         noise_std=float(sigma),
         rate_hz=(len(signal.time) - 1) / span,
-        start=max(0.0, float(signal.time[0]) - start),
+        start=start,
         **given,
     )
