@@ -117,3 +117,12 @@ def gear_input(arm: Arm, joint: str) -> str:
     while joint in inputs:
         joint = inputs[joint]
     return joint
+
+
+def motor_ratio(arm: Arm, joint: str) -> float:
+    """Return the ratio of a joint's motor: of all gears before it, times that of the joint at their input."""
+    before = {gear.output: gear for gear in arm.gears}
+    ratio = 1.0
+    while joint in before:
+        ratio, joint = ratio * before[joint].ratio, before[joint].input
+    return ratio * arm.joint(joint).gear_ratio

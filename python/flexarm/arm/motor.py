@@ -4,8 +4,8 @@ r"""Motors: from voltage to torque, for drives by command.
 
 u [V] is the voltage, i [A] the current, \varphi [rad] the motor's angle over the ratio n, R the resistance,
 k_m the torque constant (in SI it is the back-EMF constant too), \eta the efficiency and T_m [N m] the torque
-on the rotor, output-referred. A rotor inertia and a ratio stand at the joint, friction is the effect
-`motor_friction`.
+on the rotor, output-referred. A rotor inertia and a ratio stand at the joint, the ratio of a joint behind
+gears is that of all before it (`flexarm.arm.joint.motor_ratio`); friction is the effect `motor_friction`.
 """
 
 from __future__ import annotations

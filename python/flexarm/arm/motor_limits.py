@@ -2,7 +2,7 @@ r"""Limits of a joint's motor, and priors of friction within them.
 
 A motor at its greatest voltage or torque gives, on the output side, at most
 
-.. math:: T_0 = \eta \, n \min(k_m u_{max}/R, \; T_{max})                                              (1)
+.. math:: T_0 = |n| \min(\eta \, k_m u_{max}/R, \; T_{max})                                            (1)
 
 and, as its back-EMF grows with the rate, falls to nothing with the slope
 
@@ -19,6 +19,8 @@ from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
 
+from flexarm.arm.joint import motor_ratio
+
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
     from flexarm.arm.motor import Motor
@@ -30,11 +32,8 @@ def stall_torque(arm: Arm, joint: str) -> float:
     motor = _motor(arm, joint)
     if motor is None:
         return inf
-    volts = (
-        inf if motor.voltage_limit is None else motor.torque_constant * motor.voltage_limit / motor.resistance
-    )
-    most = min(volts, inf if motor.torque_limit is None else motor.torque_limit)
-    return motor.efficiency * arm.joint(joint).gear_ratio * most
+    volts, per_volt = motor.voltage_limit or inf, motor.efficiency * motor.torque_constant / motor.resistance
+    return abs(motor_ratio(arm, joint)) * min(per_volt * volts, motor.torque_limit or inf)
 
 
 def back_emf_damping(arm: Arm, joint: str) -> float:
@@ -42,7 +41,7 @@ def back_emf_damping(arm: Arm, joint: str) -> float:
     motor = _motor(arm, joint)
     if motor is None:
         return inf
-    return motor.efficiency * (motor.torque_constant * arm.joint(joint).gear_ratio) ** 2 / motor.resistance
+    return motor.efficiency * (motor.torque_constant * motor_ratio(arm, joint)) ** 2 / motor.resistance
 
 
 def within(most: float, prior: Prior) -> Prior:

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arguments import ARM, RECORD, takes
+from flexarm.arm.joint import motor_ratio
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES, stated_placement
@@ -31,7 +32,6 @@ from flexarm.errors import InvalidParameter
 from flexarm.linear.linearise import linearise
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.sampling import columns
-from flexarm.measurement.torque import gear_ratio
 from flexarm.modal import modes
 from flexarm.quantities import channel_names
 from flexarm.record.compatibility import unplaced_effects
@@ -288,7 +288,7 @@ def _response(arm: Arm, record: Record, signal: Signal, frequency: Floats) -> Co
     if by_angle:
         H, rest, stands = H[:, :-1] / H[:, -1:], rest[:-1], float(rest[-1])
     elif to.quantity == "motor_torque" and to.side != "output":
-        ratio = gear_ratio(arm, place)  # of the torque at the shaft
+        ratio = motor_ratio(arm, place)  # of the torque at the shaft
         H, stands = H * ratio, stands / ratio
     if signal.quantity == "position":
         frame = effects_of(arm, signal).registration(stated_placement(record).frame(signal))

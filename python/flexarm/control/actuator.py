@@ -18,7 +18,7 @@ from typing import ClassVar, TypeVar
 
 from flexarm.arm import Arm
 from flexarm.arm.controller import Cascade, Controller
-from flexarm.arm.joint import Joint
+from flexarm.arm.joint import motor_ratio
 from flexarm.arm.motor import Motor
 from flexarm.control.dual import Real, between
 
@@ -35,15 +35,15 @@ class VoltageDrive:
     """[V] and, output-referred, [N m]."""
 
     @classmethod
-    def of(cls, motor: Motor, joint: Joint) -> VoltageDrive:
-        """Return the drive of a joint's motor."""
-        constant = motor.torque_constant * joint.gear_ratio
+    def of(cls, motor: Motor, ratio: float) -> VoltageDrive:
+        """Return the drive of a motor of a ratio."""
+        constant = motor.torque_constant * ratio
         torque_per_volt = motor.efficiency * constant / motor.resistance
         return cls(
             torque_per_volt,
             torque_per_volt * constant,
             motor.voltage_limit or inf,
-            (motor.torque_limit or inf) * abs(joint.gear_ratio),
+            (motor.torque_limit or inf) * abs(ratio),
         )
 
     def hold(self, voltage: Real, rate: Real) -> tuple[Real, Real]:
@@ -64,13 +64,13 @@ class TorqueDrive:
     back_emf: ClassVar[float] = 0.0
 
     @classmethod
-    def of(cls, controller: Controller, motor: Motor | None, joint: Joint) -> TorqueDrive:
-        """Return the drive of a joint with its motor, if the model has one, and its controller's limit."""
+    def of(cls, controller: Controller, motor: Motor | None, ratio: float) -> TorqueDrive:
+        """Return the drive of a motor of a ratio, if the model has one, and its controller's limit."""
         own = getattr(controller, "torque_limit", None) or inf
         if motor is None:
             return cls(own)
-        of_motor = (motor.torque_limit or inf) * abs(joint.gear_ratio)
-        return cls(min(own, of_motor), VoltageDrive.of(motor, joint))
+        drive = VoltageDrive.of(motor, ratio)
+        return cls(min(own, drive.greatest_torque), drive)
 
     def hold(self, torque: Real, rate: Real) -> tuple[Real, Real]:
         """Return the voltage that it takes [V], NaN without a motor, and the torque to hold [N m]."""
@@ -89,11 +89,11 @@ _A = TypeVar("_A", bound=Actuator)
 
 def actuator_of(arm: Arm, controller: Controller) -> Actuator:
     """Return the drive of the joint of a controller."""
-    joint = arm.joint(controller.joint)
-    motor = next((motor for motor in arm.motors if motor.joint == joint.name), None)
+    ratio = motor_ratio(arm, controller.joint)
+    motor = next((motor for motor in arm.motors if motor.joint == controller.joint), None)
     if isinstance(controller, Cascade) or motor is None:
-        return TorqueDrive.of(controller, motor, joint)
-    return VoltageDrive.of(motor, joint)
+        return TorqueDrive.of(controller, motor, ratio)
+    return VoltageDrive.of(motor, ratio)
 
 
 def differentiated(drive: _A, pairs: Sequence[tuple[_A, _A]], spreads: Sequence[float]) -> _A:

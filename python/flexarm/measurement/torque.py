@@ -10,17 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from flexarm.arm.joint import motor_ratio
 from flexarm.arrays import Floats
 from flexarm.measurement.sampling import CannotMeasure, Described, joint_index, sample, stored
-
-
-def gear_ratio(arm: Any, joint: str) -> float:
-    """Return the ratio of a joint's motor: of all gears before it, times that of the joint at their input."""
-    before = {gear.output: gear for gear in arm.gears}
-    ratio = 1.0
-    while joint in before:
-        ratio, joint = ratio * before[joint].ratio, before[joint].input
-    return ratio * float(arm.joint(joint).gear_ratio)
 
 
 def _geared_rates(arm: Any, joint: str) -> dict[str, float]:
@@ -44,7 +36,7 @@ def motor_torque(simulation: Any, what: Described, instants: Floats) -> Floats:
     every, rates = stored(simulation, "motor_torque", what), _geared_rates(simulation.arm, joint)
     parts = [every[:, [simulation.joints.index(name)]] * rate for name, rate in rates.items()]
     torque = np.sum(parts, axis=0)
-    ratio = 1.0 if what.side == "output" else gear_ratio(simulation.arm, joint)
+    ratio = 1.0 if what.side == "output" else motor_ratio(simulation.arm, joint)
     return sample(simulation.time, torque, instants) / ratio
 
 

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexarm.arm.joint import motor_ratio
 from flexarm.arm.kinematics import point_jacobian
 from flexarm.arrays import Floats
 from flexarm.comparison.aligned_record import AlignedRecord
 from flexarm.comparison.bands import band_parts
 from flexarm.comparison.gap import SignalGap, directions_of, drive_angles, signal_gap
-from flexarm.measurement.torque import gear_ratio
 from flexarm.record import Signal
 from flexarm.residual_analysis.motion_states import JointStates, joined_states, joint_states
 from flexarm.residual_analysis.spectrum import (
@@ -161,7 +161,7 @@ def _of_record(
     directions, time, n = _directions(pair, signal, gap), gap.time, len(gap.time)
     sigma = gap.noise_rms / np.sqrt(len(directions)) if gap.noise_rms else noise
     states = tuple(joint_states(pair, each, time) for each in joints)
-    ratios = [gear_ratio(simulated.arm, each) for each in joints]
+    ratios = [motor_ratio(simulated.arm, each) for each in joints]
     bands: list[Named] = []
     notes: list[str] = []
     if pair.record.kind == "motion" and n >= 3:

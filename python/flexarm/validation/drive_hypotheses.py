@@ -22,7 +22,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.closure import joints_moved_with
-from flexarm.arm.joint import shaft_ratio
+from flexarm.arm.joint import motor_ratio, shaft_ratio
 from flexarm.arm.kinematics import chain_to, link_pose
 from flexarm.arm.sensor_effect import ChannelEffect
 from flexarm.arm.sizes import LONGEST
@@ -31,7 +31,6 @@ from flexarm.comparison.simulated_record import SimulatedRecord, pair_record
 from flexarm.drive.from_record import true_time
 from flexarm.effects import SignError, UnitError
 from flexarm.measurement.effects_of import effects_of
-from flexarm.measurement.torque import gear_ratio
 from flexarm.record import Record, Signal
 from flexarm.record.plausibility import FARTHEST
 from flexarm.record.time_unit import LIVELY, motion_of
@@ -95,7 +94,7 @@ def is_implausible(signal: Signal, arm: Arm) -> bool:
 
 def _unit_hypotheses(drives: Sequence[Signal], arm: Arm, factors: Iterable[float]) -> list[Hypothesis]:
     """Return unit errors of drives: one factor for all, gear ratios or the inverse, degrees of the motor."""
-    ratios = [abs(gear_ratio(arm, str(signal.joint))) for signal in drives]
+    ratios = [abs(motor_ratio(arm, str(signal.joint))) for signal in drives]
     common = [(factor,) * len(drives) for factor in factors]
     geared = [tuple(ratios), tuple(1 / ratio for ratio in ratios)]
     if all(is_implausible(signal, arm) for signal in drives):
@@ -174,7 +173,7 @@ def describe_hypothesis(arm: Arm, hypothesis: Hypothesis, record: Record, follow
 
 def _name_ratios(arm: Arm, record: Record, factors: Mapping[str, float]) -> str:
     """Return the clause that factors are gear ratios, or ""."""
-    ratios = {at: abs(gear_ratio(arm, str(record.signals[at].joint))) for at in factors}
+    ratios = {at: abs(motor_ratio(arm, str(record.signals[at].joint))) for at in factors}
     if all(ratio == 1 for ratio in ratios.values()):
         return ""
     if all(abs(log(factors[at] / ratio)) < POLICY.factor_accuracy for at, ratio in ratios.items()):

@@ -15,8 +15,8 @@ from math import log, pi
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.arm.joint import motor_ratio
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
-from flexarm.measurement.torque import gear_ratio
 from flexarm.record import Signal
 from flexarm.validation.channel import Channel, GainFit, channels, predicted_at
 from flexarm.validation.finding import ChannelFinding, cost, log_bayes
@@ -114,7 +114,7 @@ def _unit_error(channel: Channel, fit: GainFit, own: GainFit, arm: Arm) -> Chann
 
 def gear_side(signal: Signal, factor: float, relative: float, arm: Arm) -> str:
     """Return the clause that a torque's factor is its gear ratio or the inverse, or ""."""
-    ratio = gear_ratio(arm, str(signal.joint)) if signal.quantity == "motor_torque" else 1.0
+    ratio = motor_ratio(arm, str(signal.joint)) if signal.quantity == "motor_torque" else 1.0
     for own, side, other in ((ratio, "output", "motor"), (1 / ratio, "motor", "output")):
         if ratio != 1 and abs(log(factor / abs(own))) < max(0.1, 3 * relative):
             return f", as a torque on the {side} side does that is said to be on the {other} side"
