@@ -14,6 +14,7 @@ import numpy as np
 
 from flexarm.arguments import PATH, takes
 from flexarm.arm import Arm
+from flexarm.arm.joint import motor_ratio
 from flexarm.arm.rotation import from_rpy
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
@@ -317,7 +318,7 @@ def _si_unit(table: SignalMap, arm: Arm | None) -> str:
 def _in_si(table: SignalMap, values: Floats, arm: Arm | None) -> Floats:
     """Return values in SI: by the gear, then scale x value + offset in the unit, then to SI."""
     if table.before_gear and arm is not None and table.joint is not None:
-        ratio = gear_ratio(arm, table.joint)
+        ratio = motor_ratio(arm, table.joint)
         values = values * ratio if table.quantity == "motor_torque" else values / ratio
     if table.scale != (1.0,):
         values = values * np.array(table.scale)
@@ -332,9 +333,3 @@ def _in_si(table: SignalMap, values: Floats, arm: Arm | None) -> Floats:
     if table.mount is not None:
         values = (values @ np.array(from_rpy(table.mount)).T)[:, ["xyz".index(axis) for axis in table.axes]]
     return values
-
-
-def gear_ratio(arm: Arm, joint: str) -> float:
-    """Return the turns of a joint's motor for one turn of the joint."""
-    gear = next((gear for gear in arm.gears if gear.output == joint), None)
-    return arm.joint(joint).gear_ratio if gear is None else gear.ratio * gear_ratio(arm, gear.input)

@@ -157,8 +157,8 @@ def of_simulation(
 ) -> Scene:
     """Return a run at true speed, displacements from the rigid arm times `scale`, with what was measured.
 
-    Shapes of links are not stored with a run: it is made again along its own motor angles, with rotations.
-    Gaps are shown times `gaps_times`, by default so that they show.
+    Shapes of links are not stored with a run: it is made again along its own motor angles, with rotations,
+    from rest or in motion as it began. Gaps are shown times `gaps_times`, by default so that they show.
     """
     skeleton = Skeleton(run.arm)
     again = _again(skeleton, run)
@@ -299,9 +299,10 @@ def _path(name: str, x: Floats) -> Skin:
 def _again(skeleton: Skeleton, run: Simulation) -> Simulation:
     driven = drive_angles(run.arm, run.drive_angle[0], str(run.solver.get("driven", "")).split())
     angles = {name: run.drive_angle[:, run.joints.index(name)] for name in driven}
+    drive = Drive.from_samples(run.time, angles)
     return simulate(
         skeleton.seen,
-        Drive.from_samples(run.time, angles),
+        replace(drive, rates={}) if np.any(run.joint_rate[0]) else drive,
         step=float(run.solver.get("step", np.median(np.diff(run.time)))),
         alpha=float(run.solver.get("alpha", -0.05)),
         rotations=True,

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.arm.joint import motor_ratio
 from flexarm.drive.doubts import slides
 from flexarm.importing.guess.logged import Logged
 from flexarm.importing.guess.motion import Track
 from flexarm.importing.guess.words import COUNTED
-from flexarm.importing.workflow import gear_ratio
 from flexarm.quantities import QUANTITIES
 from flexarm.units import factor_to
 
@@ -113,7 +113,7 @@ def in_output(proposal: Proposal, arm: Arm, option: Option | None = None) -> Tra
     own = "m" if slides(arm, proposal.place[1]) else "rad"
     unit, geared = option or (proposal.keys.get("unit", own), proposal.keys.get("before_gear", False))
     factor = unit_factor(unit, QUANTITIES[proposal.quantity].units) * proposal.keys.get("scale", 1.0)
-    ratio = gear_ratio(arm, proposal.place[1]) if geared else 1.0
+    ratio = motor_ratio(arm, proposal.place[1]) if geared else 1.0
     return Track.of(proposal.first.time.seconds, [proposal.first.values * factor / ratio])
 
 

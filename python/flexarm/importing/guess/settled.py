@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.arm.joint import motor_ratio
 from flexarm.drive.doubts import slides
 from flexarm.importing.guess.motion import ALIKE_SPEEDS, Agreement, Track, agreement, rigid_track, white_noise
 from flexarm.importing.guess.proposal import (
@@ -22,7 +23,6 @@ from flexarm.importing.guess.proposal import (
     plain_name,
     words_of,
 )
-from flexarm.importing.workflow import gear_ratio
 from flexarm.quantities import QUANTITIES
 from flexarm.units import factor_to
 
@@ -68,7 +68,7 @@ def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Ar
     own, per = ("m", "mm") if along else ("rad", "deg"), "/s" if rate else ""
     units = [stated] if stated else [unit + per for unit in own]
     geared = family[0].keys.get("side") != "output" and family[0].quantity != "joint_command"
-    geared = geared and any(abs(gear_ratio(arm, p.place[1])) != 1 for p in family)
+    geared = geared and any(abs(motor_ratio(arm, p.place[1])) != 1 for p in family)
     options: list[Option] = [
         (unit, gear) for unit in units for gear in ((False, True) if geared else (False,))
     ]
@@ -193,7 +193,7 @@ def settle_noise(proposals: Sequence[Proposal], arm: Arm) -> None:
             continue  # which may be before the gear or not
         sizes = [white_noise(column.values) for column in proposal.columns]
         sigma = float(np.max(sizes)) * proposal.factor()
-        sigma /= abs(gear_ratio(arm, proposal.place[1])) if "before_gear" in proposal.keys else 1.0
+        sigma /= abs(motor_ratio(arm, proposal.place[1])) if "before_gear" in proposal.keys else 1.0
         if sigma > 0:
             proposal.keys["noise_std"] = float(f"{sigma:.2g}")
             proposal.why["noise_std"] = "at most: third differences of neighbours"

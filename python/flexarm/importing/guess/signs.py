@@ -9,10 +9,10 @@ from itertools import product
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.arm.joint import motor_ratio
 from flexarm.importing.guess.motion import Track, rigid_track
 from flexarm.importing.guess.proposal import Option, Proposal, drives_of, in_output, words_of
 from flexarm.importing.guess.registration import Registration, registration
-from flexarm.importing.workflow import gear_ratio
 
 NEARER = 0.5
 """A sign or count is taken where it leaves at most this share of what the model leaves without it."""
@@ -92,7 +92,7 @@ def _tried_counts(
     # Size of the model's motion over the measured one, beyond which counts are not tried.
     sizes = (1 / 3, 3.0)
     joints = {p.place[1]: in_output(p, arm) for p in known}
-    geared = any(abs(gear_ratio(arm, p.place[1])) != 1 for p in counted)
+    geared = any(abs(motor_ratio(arm, p.place[1])) != 1 for p in counted)
     options = [(count, gear) for gear in ((True, False) if geared else (False,)) for count in COUNTS]
     for option in [(still, False), *options]:
         here = joints | {p.place[1]: in_output(p, arm, option) for p in counted}
