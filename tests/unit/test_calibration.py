@@ -249,6 +249,20 @@ def test_a_motion_tells_stiffness_and_damping_of_a_joint_beside_an_uncertain_mod
     assert found.gap(found.held_out).after_rms < 1.1 * found.gap(found.held_out).noise_rms
 
 
+def test_the_prior_of_an_unknown_clock_lies_about_its_first_guess():
+    """1 s about where the correlation of speeds puts it: a tracker that counts from 100 s earlier."""
+    arm, swing = swing_on_a_soft_hinge(1)
+    tip = swing.signals["tip"]
+    lost = tip.replace(time=tip.time + 100.0, clock="tracker")
+    swing = swing.replace(
+        signals={**swing.signals, "tip": lost}, clocks={**swing.clocks, "tracker": Clock(unknown=True)}
+    )
+    delay = flexarm.calibrate(arm, {"swing": swing}, n_jobs=1).parameter("effects.time_delay.tracker.delay")
+    assert delay.value == approx(100.0, abs=0.02)
+    assert delay.prior.value == approx(100.0, abs=0.1)
+    assert delay.prior.high90 - delay.prior.low90 == approx(2 * 1.645, rel=1e-3)
+
+
 def test_estimates_follow_a_curved_valley_to_its_end():
     """Stiffness and modulus share a compliance: without noise both come out true, far within a sigma."""
     arm, swing = swing_on_a_soft_hinge(1, exact=True)

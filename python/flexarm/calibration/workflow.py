@@ -232,16 +232,17 @@ def _parameter(posterior: Posterior, k: int, found: Marginal) -> CalibratedParam
         free.value(low) + guess,
         free.value(high) + guess,
         free.unit,
-        _range(free, float(estimation.centre[k]), prior),
+        _range(free, float(estimation.centre[k]), prior, guess),
         float(np.clip(1.0 - (sigma / tau) ** 2, 0.0, 1.0)),
         "" if family is None else family.effect,
         found.one_sided,
     )
 
 
-def _range(free: FreeParameter, u: float, sigma: float) -> Range:
-    low, high = (free.value(u + sign * NORMAL_90 * sigma) for sign in (-1, 1))
-    return Range(free.value(u), low, high)
+def _range(free: FreeParameter, u: float, sigma: float, guess: float) -> Range:
+    """Return the 90 % interval of a prior about a first guess."""
+    middle, low, high = (guess + free.value(u + sign * NORMAL_90 * sigma) for sign in (0, -1, 1))
+    return Range(middle, low, high)
 
 
 def _family(posterior: Posterior, family: Family) -> CalibratedFamily:
