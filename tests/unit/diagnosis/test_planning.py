@@ -12,6 +12,7 @@ from pytest import approx
 import flexarm
 from flexarm.arm import Cascade
 from flexarm.arm.sensor import Sensor
+from flexarm.diagnosis.design.candidate_measurements import menu
 from flexarm.diagnosis.design.experiment import NOISE, from_drive, from_record
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.record import Clock, Frame
@@ -229,6 +230,15 @@ def test_the_file_holds_what_is_printed():
     assert len(report["effects"]) == len(found.effects) == len(report["log_bayes_factor"])
     assert report["ties"][0]["additions"][0]["addition"] in found.summary()
     assert found.headline() in found.summary()
+
+
+def test_an_arm_without_trackers_is_offered_reflectors():
+    gyro = Sensor(name="gyro", quantity="angular_rate", point="tip", axes=("y",), rate_hz=50, noise_std=1e-4)
+    run = from_drive("run", there_and_back(4.0), crane(gyro))
+    offered = menu(crane(gyro), [run], run.run(crane(gyro), 4e-3, -0.05))
+    reflectors = [each for addition in offered for each in addition.sensors if addition.points]
+    assert reflectors
+    assert {each.axes for each in reflectors} == {("x", "y", "z")}
 
 
 def test_a_plan_without_motion_is_refused():

@@ -106,7 +106,7 @@ def _reflectors(arm: Arm, runs: Sequence[Experiment]) -> Iterator[Addition]:
                 name=name,
                 quantity="position",
                 point=name,
-                axes=like.axes if like else (),
+                axes=like.axes if like else ("x", "y", "z"),
                 rate_hz=_rate(run),
                 noise_std=like.noise_std * like.si[1] if like and like.noise_std else NOISE["position"],
                 clock=like.clock if like else next(iter(run.clocks)),
