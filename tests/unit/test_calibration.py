@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arms import crane, drive, smooth_step, tracker
+from arms import crane, drive, hinge, point, rigid, smooth_step, tracker
 from pytest import approx
 
 import flexarm
@@ -205,6 +205,104 @@ def test_the_prior_of_a_family_is_that_of_a_shared_size_and_of_spread():
     s = each.hierarchy.hyperprior[1]
     assert covariance[0, 0] == approx(s**2 + 0.25)
     assert covariance[0, 1] == approx(s**2)
+
+
+def test_errors_about_one_scatter_about_one():
+    """Eq. (2) of a scale: its prior is centred where nothing is wrong, and its spread counts from there."""
+    prior = Prior(0.996, 1.004, 1.0, "linear", "-", "test")
+    hierarchy = HierarchicalPrior.of(prior, CalibrationPolicy())
+    assert FreeParameter.of_family("k", prior, hierarchy.spread, None).centre == 1.0
+    assert (hierarchy.shared_value(np.array([1.01, 1.02])), hierarchy.member_prior().typical) == (1.0, 1.0)
+    assert hierarchy.updated(np.full(3, 1.0), np.zeros(3)).spread < hierarchy.spread
+
+
+@pytest.mark.parametrize("name", ["gear_ratio", "encoder_scale"])
+def test_scales_of_two_joints_are_found(name):
+    """A tracker far out sees both ratios: the readings are 1.002 and 0.999 times the angles."""
+    rng = np.random.default_rng(3)
+    shown = rng.uniform(-1.5, 1.5, (24, 2))
+    angle = shown / (1.002, 0.999)
+    away = np.stack([np.sin(angle[:, 0]), np.cos(angle[:, 0])], axis=1)
+    away += 0.8 * np.stack([np.sin(angle.sum(axis=1)), np.cos(angle.sum(axis=1))], axis=1)
+    pose = [str(k) for k in range(len(shown))]
+    signals = [
+        Signal(
+            name=joint, quantity="joint_angle", joint=joint, side="motor", values=column, pose=pose,
+            noise_std=1e-7, zero_std=0.0,
+        )
+        for joint, column in zip(("lower", "upper"), shown.T, strict=True)
+    ]  # fmt: skip
+    tip = Signal(
+        name="tip", quantity="position", point="tip", axes=("x", "z"), values=away, pose=pose, noise_std=1e-4
+    )
+    arm = Arm.from_dict(
+        {
+            "joints": [
+                hinge("lower", "one"),
+                {**hinge("upper", "two", parent="one"), "origin": {"xyz": [0, 0, 1.0], "rpy": [0, 0, 0]}},
+            ],
+            "links": [rigid("one", 1.0, [0, 0, 0.5], [0.1] * 3), rigid("two", 1.0, [0, 0, 0.5], [0.1] * 3)],
+            "points": [point("tip", "two", [0, 0, 0.8])],
+        }
+    )
+    poses = Record(kind="static", drive=("lower", "upper"), signals=[*signals, tip])
+    found = flexarm.calibrate(arm, {"poses": poses}, [name], n_jobs=1)
+    for joint, value in (("lower", 1.002), ("upper", 0.999)):
+        scale = found.parameter(f"effects.{name}.{joint}.scale")
+        assert scale.value == approx(value, abs=4 * scale.std)
+        assert scale.std < 1e-4
+        assert scale.prior.value == 1.0
+
+
+def test_places_of_other_sizes_are_families_of_their_own():
+    """Loads of 2 and 20 kg, a torque sensor and an accelerometer: each has a plausible size and a unit."""
+    masses = {"tool": 2.0, "load": 20.0}
+    arm = Arm.from_dict(
+        {
+            "joints": [hinge("hinge", "rod")],
+            "links": [rigid("rod", 1.0, [0, 0, 0], [0.1] * 3)],
+            "points": [point("tip", "rod", [0, 0, 1.0])],
+            "payloads": [
+                {"name": name, "link": "rod", "position": [0, 0, 1.0], "mass": mass}
+                for name, mass in masses.items()
+            ],
+        }
+    )
+    angle = np.linspace(-1.0, 1.0, 40)
+    noise = 1e-3 * np.random.default_rng(1).standard_normal((2, len(angle)))
+    shared = {"pose": [str(k) for k in range(len(angle))], "noise_std": 1e-3}
+    of_hinge = {"joint": "hinge", "side": "motor"}
+    signals = [
+        Signal(name="hinge", quantity="joint_angle", values=angle, zero_std=0.0, **of_hinge, **shared),
+        Signal(
+            name="torque",
+            quantity="motor_torque",
+            values=-22 * 9.81 * np.sin(angle) + noise[0],
+            **of_hinge,
+            **shared,
+        ),
+        Signal(
+            name="level",
+            quantity="acceleration",
+            point="tip",
+            axes=("x",),
+            values=-9.81 * np.sin(angle) + noise[1],
+            **shared,
+        ),
+    ]
+    poses = Record(kind="static", drive=("hinge",), signals=signals)
+    found = flexarm.calibrate(arm, {"poses": poses}, ["payload_mass", "sensor_offset"], n_jobs=1)
+    assert {family.at: family.unit for family in found.families} == {
+        ("tool",): "kg",
+        ("load",): "kg",
+        ("torque",): "N m",
+        ("level",): "m/s2",
+    }
+    for name, mass in masses.items():
+        assert found.parameter(f"effects.payload_mass.{name}.mass").prior.value == approx(mass)
+    ranges = {name: found.parameter(f"effects.sensor_offset.{name}.offset") for name in ("torque", "level")}
+    assert ranges["torque"].prior.high90 > 10 * ranges["level"].prior.high90
+    assert ranges["level"].unit == "m/s2"
 
 
 def test_the_spread_is_between_its_prior_and_that_of_the_members():

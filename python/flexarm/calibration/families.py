@@ -16,7 +16,7 @@ from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arm.vocabulary import KNOWN_EFFECTS
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
-from flexarm.diagnosis.candidates import places_of
+from flexarm.diagnosis.candidates import places_of, priors_in_records
 from flexarm.diagnosis.family import HierarchicalPrior
 from flexarm.diagnosis.nuisance import bare_key
 from flexarm.diagnosis.policy import FIT
@@ -42,6 +42,7 @@ def with_families(
 ) -> tuple[Arm, list[Family]]:
     """Return the model with the effects of the families at all their places, and the families.
 
+    Places where other sizes are plausible, such as at another payload or sensor, are families of their own.
     Places where the model states the parameter and its uncertainty are left to that.
 
     Raise InvalidParameter if there is no such effect, or it cannot act anywhere in these records.
@@ -50,12 +51,12 @@ def with_families(
     families: list[Family] = []
     for kind in family_kinds(names):
         name = kind.name
-        entries: dict[tuple[str, str], list[tuple[str, Prior, Effect]]] = {}
+        entries: dict[tuple[str, Prior], list[tuple[str, Prior, Effect]]] = {}
         for effect in _members(kind, problem, arm):
             arm = arm.with_effect(effect)
             for parameter, prior in _free(effect, problem, arm):
                 if f"effects.{name}.{effect.at}.{parameter.split('.')[0]}" not in uncertain:
-                    entries.setdefault((parameter, prior.unit), []).append((parameter, prior, effect))
+                    entries.setdefault((parameter, prior), []).append((parameter, prior, effect))
         if not entries:
             needs = f"; it needs {kind.requires} there, so name that family first" if kind.requires else ""
             raise InvalidParameter(
@@ -105,7 +106,8 @@ def _free(effect: Effect, problem: Problem, arm: Arm) -> Iterator[tuple[str, Pri
     """Yield the parameters that these records can show, with their priors."""
     poses = all(record.kind == "static" for record in problem.records.values())
     there = {name for name, _, _ in effect.parameters()}
-    for name, prior in priors_in(effect, arm).items():
+    priors = {**priors_in(effect, arm), **priors_in_records(type(effect), effect.at, problem)}
+    for name, prior in priors.items():
         if name in there and not (poses and name in effect.in_motion):
             yield name, prior
 

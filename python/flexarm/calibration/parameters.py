@@ -46,9 +46,9 @@ class FreeParameter:
     @classmethod
     def of_family(cls, key: str, prior: Prior, sigma: float, step: float | None) -> FreeParameter:
         """Return a member of a family, centred on the typical value."""
-        logarithmic = prior.scale == "log"
-        centre = log(prior.typical) if logarithmic else 0.0
-        return cls(key, prior.unit, "family", "log" if logarithmic else "linear", centre, sigma, step)
+        if prior.scale == "log":
+            return cls(key, prior.unit, "family", "log", log(prior.typical), sigma, step)
+        return cls(key, prior.unit, "family", "linear", prior.typical, sigma, step)
 
     @property
     def of_record(self) -> bool:

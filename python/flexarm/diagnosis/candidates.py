@@ -229,6 +229,14 @@ def _at_place(
 
 def _stated(kind: type[Effect], at: str, arm: Arm, problem: Problem) -> dict[str, Prior]:
     """Priors that follow from the records, and from what the model states."""
+    if priors := priors_in_records(kind, at, problem):
+        return priors
+    stated = arm.effect(kind.name, at)
+    return {} if stated is None else stated.stated_priors(arm)
+
+
+def priors_in_records(kind: type[Effect], at: str, problem: Problem) -> dict[str, Prior]:
+    """Return priors of sensor and clock effects that follow from the signal at a place."""
     if issubclass(kind, SignalEffect) and not kind.of_drives:
         rows = [row for row in problem.rows if row.signal == at]
         signals = [problem.records[row.record].signals[at] for row in rows]
@@ -237,8 +245,7 @@ def _stated(kind: type[Effect], at: str, arm: Arm, problem: Problem) -> dict[str
         return kind.priors_from(greatest, max(row.sigma for row in rows), signals[0].unit)
     if issubclass(kind, ClockEffect):
         return kind.command_priors() if at in late_commands(problem) else {}
-    stated = arm.effect(kind.name, at)
-    return {} if stated is None else stated.stated_priors(arm)
+    return {}
 
 
 def _has(effect: Effect, key: str) -> bool:

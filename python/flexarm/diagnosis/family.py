@@ -10,9 +10,9 @@ their uncertainty is part of the evidence. Sizes that are positive scatter in th
 .. math:: u_i \sim N(\mu, \tau^2), \quad \mu \sim N(m, s^2)                                            (1)
 
 with mode m and s of the effect's own prior: a member that the data hardly know stays near exp(mu). Errors
-that may have either sign have no common value but a common size,
+that may have either sign have no common value but a common size, about the value m without error,
 
-.. math:: u_i \sim N(0, \tau^2)                                                                        (2)
+.. math:: u_i \sim N(m, \tau^2)                                                                        (2)
 
 The spread tau is estimated: its posterior mode given estimates u and their variances v,
 
@@ -67,7 +67,7 @@ class HierarchicalPrior:
     spread: float
     """tau of (1) or (2)."""
     mean: float = 0.0
-    """mu of (1); 0 of (2)."""
+    """mu of (1); m of (2)."""
 
     @classmethod
     def of(cls, prior: Prior, policy: FamilyPolicy) -> HierarchicalPrior:
@@ -83,9 +83,9 @@ class HierarchicalPrior:
 
     @property
     def hyperprior(self) -> tuple[float, float]:
-        """Return m and s of (1); zeros of (2)."""
+        """Return m and s of (1); m and 0 of (2)."""
         if not self.has_mean:
-            return 0.0, 0.0
+            return self.prior.typical, 0.0
         low, mode, high = (log(value) for value in (self.prior.low, self.prior.typical, self.prior.high))
         return mode, (high - low) / (2 * QUANTILE)
 
@@ -95,10 +95,10 @@ class HierarchicalPrior:
         return np.asarray(np.linalg.inv(covariance))
 
     def shared_value(self, u: Floats) -> float:
-        """Return the posterior mean of mu given the members' u; 0 of (2)."""
+        """Return the posterior mean of mu given the members' u; m of (2)."""
         m, s = self.hyperprior
         if not self.has_mean:
-            return 0.0
+            return m
         weights = 1 / self.spread**2, 1 / s**2
         return float((weights[0] * u.sum() + weights[1] * m) / (weights[0] * len(u) + weights[1]))
 

@@ -153,8 +153,8 @@ def fit_sentence(found: Calibration) -> str:
 
 def family_sentence(family: CalibratedFamily) -> str:
     """Return what a family shares, and how its members differ."""
-    places = "place" if len(family.at) == 1 else "places"
-    name = f"{effect_words(family.effect)}, {family.parameter}, at {len(family.at)} {places}"
+    places = family.at[0] if len(family.at) == 1 else f"{len(family.at)} places"
+    name = f"{effect_words(family.effect)}, {family.parameter}, at {places}"
     if family.shared is None:
         return f"{name}: rms size {with_unit(family.spread, family.unit)}"
     shared = family.shared

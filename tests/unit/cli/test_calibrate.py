@@ -50,7 +50,7 @@ def command(bench, out, *more):
 
 def test_a_family_is_fitted_and_written(bench, tmp_path, capsys):
     assert run(command(bench, tmp_path / "out", "--family", "joint_compliance")) == 0
-    sentence = "oint compliance, stiffness, at 1 place: "
+    sentence = "oint compliance, stiffness, at hinge: "
     assert f"j{sentence}" in capsys.readouterr().out
     page = (tmp_path / "out" / "report.html").read_text()
     assert re.search(rf"<p>J{sentence}shared size \S+ kN m/rad, 90", page)
