@@ -62,3 +62,13 @@ def test_a_run_that_is_no_pair_is_named() -> None:
         flexarm.simulate_all([(arm_with(1.0), DRIVE), arm_with(2.0)])  # type: ignore[list-item]
     with pytest.raises(flexarm.InvalidParameter, match=r"runs\[0\]: .*, got \(Drive, Arm\)"):
         flexarm.simulate_all([(DRIVE, arm_with(1.0))])  # type: ignore[list-item]
+
+
+def test_progress_tells_the_share_of_a_run_that_is_under_way() -> None:
+    seen: list[float] = []
+    long = flexarm.Drive.from_samples([0.0, 400.0], {"hinge": [0.0, 0.0]})
+    flexarm.simulate_all(
+        [(arm_with(1.0), long)], n_jobs=1, step=2e-5, progress=lambda done: seen.append(done) or done < 0.001
+    )
+    assert 0 < seen[0] < 1
+    assert len(seen) < 5

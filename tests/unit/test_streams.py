@@ -4,10 +4,12 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from time import monotonic, sleep
 
 import pytest
 
 from flexarm.cli import progress
+from flexarm.cli.run import run
 
 FLEXARM = f"'{sys.executable}' -c 'from flexarm.cli import main; main()'"
 
@@ -95,3 +97,38 @@ def test_progress_without_a_terminal_is_a_line_at_most_every_ten_seconds(
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err.splitlines() == ["simulation: 40 %, 10 s", "simulation: 80 %, 20 s"]
+
+
+def test_a_silent_state_is_shown_again_until_the_work_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "AGAIN", 0.01)
+    shown: list[tuple[float, str]] = []
+    with progress.repeated(lambda done, what: shown.append((done, what))) as tell:
+        tell(0.5, "screening")
+        began = monotonic()
+        while len(shown) < 3 and monotonic() < began + 5:
+            sleep(0.01)
+    known = len(shown)
+    sleep(0.05)
+    assert shown[:3] == [(0.5, "screening")] * 3
+    assert len(shown) == known
+
+
+def test_a_comparison_that_takes_long_shows_the_time_that_has_passed(
+    place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert (
+        run(
+            [
+                "simulate",
+                str(place / "arm.toml"),
+                "--drive",
+                str(place / "swing.csv"),
+                "--out",
+                str(place / "run"),
+            ]
+        )
+        == 0
+    )
+    monkeypatch.setattr(progress, "SECONDS", 0.0)
+    assert run(["compare", str(place / "arm.toml"), str(place / "run")]) == 0
+    assert "comparing, 0 s" in capsys.readouterr().err.splitlines()

@@ -37,7 +37,7 @@ def check_records(
     from flexarm.validation.sensor_check import check
 
     with blame_one_of(model, files, judged, arm), progress(json) as tell, limited(max_seconds):
-        found = check(arm, judged, progress=lambda done: tell(done, "simulating"))
+        found = check(arm, judged, progress=lambda done: tell(done, "checking"))
     ready = found.usable and found.judged
     return _told(found), [found.summary(), *said, *([next_step] if ready else [])], _faults(found, files)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flexarm.cli.options import AllowOutside, Force, Json, Model, Step, blame, load_arm, refuse_step, show
+from flexarm.cli.progress import progress
 from flexarm.cli.records import load_record
 
 if TYPE_CHECKING:
@@ -48,25 +49,28 @@ def compare(
     arm = load_arm(model)
     measured = load_record(record, arm)
     if out is None:
-        show(_gap(model, record, arm, measured, raw, step), json)
+        show(_gap(model, record, arm, measured, raw, step, json), json)
         return
     from flexarm.input_files import input_files
     from flexarm.output import output_directory
 
     with output_directory(out, force, input_files(model, arm, {"record": measured}).values()) as directory:
-        result = _gap(model, record, arm, measured, raw, step)
+        result = _gap(model, record, arm, measured, raw, step, json)
         result.write(directory)
     show(result, json)
     if not json:
         print(f"\nwritten to {out}")
 
 
-def _gap(model: Path, record: Path, arm: Arm, measured: Record, raw: bool, step: float) -> SavedGap:
+def _gap(
+    model: Path, record: Path, arm: Arm, measured: Record, raw: bool, step: float, json: bool
+) -> SavedGap:
     """Return the gap of motions and poses, or of frequency responses."""
     from flexarm.comparison import compare as gap
     from flexarm.comparison import compare_responses
 
-    with blame(model, record):
+    with blame(model, record), progress(json) as tell:
+        tell(0.0, "comparing")
         if measured.kind == "frequency_response":
             return compare_responses(arm, measured)
         return gap(arm, measured, align=not raw, step=step, check_step=True)

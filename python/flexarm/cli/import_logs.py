@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from flexarm.cli.options import Force, warn
+from flexarm.cli.progress import progress
 from flexarm.errors import InvalidFile
 
 
@@ -64,10 +65,13 @@ def _guess(files: list[Path], model: Path | None, out: Path | None, force: bool)
             raise InvalidFile("command line", option, "is needed with --guess")
     assert model is not None and out is not None
     refuse_existing(out, force, [*files, model])
-    text = guess_map(files, model, out)
+    with progress() as tell:
+        tell(0.0, "comparing the logs with the model")
+        text = guess_map(files, model, out)
     write_file(out, text, [*files, model])
     unknown = text.count("# unknown:")
-    print(f"written to {out}: a proposal; {unknown} things marked `# unknown:` are for you to say")
+    things = "1 thing marked `# unknown:` is" if unknown == 1 else f"{unknown} things marked `# unknown:` are"
+    print(f"written to {out}: a proposal; {things} for you to say")
 
 
 def _import(path: Path, out: Path | None, force: bool) -> None:
@@ -78,7 +82,9 @@ def _import(path: Path, out: Path | None, force: bool) -> None:
     from flexarm.record.save import write
 
     place = out or Path(path.name.removesuffix(".toml").removesuffix(".map"))
-    record = import_record(path)
+    with progress() as tell:
+        tell(0.0, "reading the logs")
+        record = import_record(path)
     with output_directory(place, force, sources_of(path), ["record.toml"]) as directory:
         write(record, directory)
     print("\n".join([*record_lines(record), f"written to {place}: a record"]))

@@ -65,9 +65,11 @@ def fitted(
     from flexarm.output import output_directory
 
     inputs = input_files(model, arm, read)
-    with output_directory(out, force, inputs.values(), ["updated.toml"]) as directory:
-        with blame_one_of(model, names, read, arm), progress(json) as tell:
+    whole = output_directory(out, force, inputs.values(), ["updated.toml"])
+    with whole as directory, progress(json) as tell:
+        with blame_one_of(model, names, read, arm):
             found = fit(arm, training, held_out, tell)
+        tell(1.0, "writing")
         found = replace(found, provenance={**found.provenance, "inputs_sha256": hashes(inputs)})
         found.write(directory, model)
     return found

@@ -22,7 +22,7 @@ is 1 for a candidate with the same response. It is fitted from the size at which
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import exp, isfinite
@@ -131,12 +131,13 @@ def alternatives_of(
     estimator: Estimator,
     probed: Sequence[Probed],
     tried: Sequence[Fit],
+    tell: Callable[[str, float], object] = lambda what, done: None,
 ) -> list[AlternativeModel]:
     """Return the alternatives of effect k of the chosen model, the best first.
 
-    Fits that the search has `tried` are reused. If the model leaves a gap, fewer alternatives are fitted, and
-    once. If it explains everything, none is fitted that promises far less than the first. A spring that
-    another effect requires has none.
+    `tell` hears what is fitted, and the share done. Fits that the search has `tried` are reused. If the model
+    leaves a gap, fewer alternatives are fitted, and once. If it explains everything, none is fitted that
+    promises far less than the first. A spring that another effect requires has none.
     """
     problem, null, policy = estimator.problem, criteria.null, criteria.policy
     open_gap = criteria.leaves_gap(best)
@@ -162,9 +163,11 @@ def alternatives_of(
     limit = criteria.early_stop([best], fewer, policy.faint)
     peer = _as_tried(best, tried)
     found = []
-    for candidate in wanted:
+    for number, candidate in enumerate(wanted):
         if not allows("all alternatives were fitted"):
             break
+        share = (k + number / len(wanted)) / len(best.members)
+        tell(f"alternative {number + 1} of {len(wanted)} to effect {k + 1}", share)
         try:
             fit = known.get(candidate.place) or estimator.trial((candidate, *others), best, limit)
             if (alike := candidate.acting_as(chosen)) is not None:

@@ -133,6 +133,12 @@ def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
 
 
 Note = Callable[[str, float], object]
+
+
+def _silent(what: str, done: float) -> None:
+    """Take a note that nobody reads."""
+
+
 SEARCHED, WEIGHED = 0.75, 0.9
 """Parts of a budget of time at which the search for effects, and the fits of their alternatives, end."""
 
@@ -163,7 +169,7 @@ class Choice:
 
 def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = None) -> Choice:
     """Select effects: forward and backward, refine, swap."""
-    tell = note or (lambda what, done: None)
+    tell = note or _silent
     problem, start = estimator.problem, estimator.fit(())
     null, about_null = fitted_null(start, estimator)
     places = cardan_joints(problem.arm, driven_joints(problem.arm, problem.records.values()))
@@ -171,9 +177,11 @@ def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = N
     with until(SEARCHED):
         best, about = forward_and_backward(state, estimator, tell)
     most = problem.policy.most_effects
-    tell("fitting alternatives", most / (most + 1))
+    tell("refining", most / (most + 1))
     with until(WEIGHED):
-        choice = swap(state, *converged(best, about))
+        choice = swap(
+            state, *converged(best, about), lambda what, done: tell(what, (most + done) / (most + 1))
+        )
     return replace(choice, tried=list(state.tried))
 
 
@@ -308,12 +316,12 @@ def backward(criteria: Criteria, best: Fit, estimator: Estimator) -> tuple[Fit, 
     return best, estimator
 
 
-def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
+def swap(state: SearchState, best: Fit, about: Estimator, tell: Note = _silent) -> Choice:
     """Return a model with its alternatives, after those that are ahead have replaced its effects.
 
     No model is chosen twice: of two that are equal each may be ahead by a little.
     """
-    choice, chosen, policy = with_alternatives(state, best, about), [], state.criteria.policy
+    choice, chosen, policy = with_alternatives(state, best, about, tell), [], state.criteria.policy
     for _ in range(policy.most_effects):
         ahead = min((r for each in choice.alternatives for r in each), key=lambda r: r.behind, default=None)
         if ahead is None or ahead.behind >= 0 or not policy.allows("swap"):
@@ -323,18 +331,17 @@ def swap(state: SearchState, best: Fit, about: Estimator) -> Choice:
             break
         state.tried.append(choice.best)  # now an alternative of the other one
         fewer = backward(state.criteria, ahead.fit, estimator_about(ahead.fit, choice.estimator))
-        choice = with_alternatives(state, *converged(*fewer))
+        choice = with_alternatives(state, *converged(*fewer), tell)
     return choice
 
 
-def with_alternatives(state: SearchState, best: Fit, about: Estimator) -> Choice:
+def with_alternatives(state: SearchState, best: Fit, about: Estimator, tell: Note = _silent) -> Choice:
     """Return a model with the alternatives of its effects and the evidence for each effect."""
     criteria = state.criteria
     alternatives, needed, shares = [], [], []
     for k, member in enumerate(best.members):
-        alternatives.append(
-            alternatives_of(k, best, criteria, about, state.candidates(best, about), state.tried)
-        )
+        probed = state.candidates(best, about)
+        alternatives.append(alternatives_of(k, best, criteria, about, probed, state.tried, tell))
         others = tuple(m for i, m in enumerate(best.members) if i != k)
         alone = not others or is_required(others, member)
         fewer = None if alone else without(others, about, state.tried)

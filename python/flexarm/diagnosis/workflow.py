@@ -159,7 +159,7 @@ def _diagnosis(
     given = named_records(records)
     held = named_hold_out(arm, hold_out, given)
     tell(0.0, "checking")
-    checked = check(arm, given, step=step, alpha=alpha)
+    checked = check(arm, given, step=step, alpha=alpha, progress=lambda done: tell(0.1 * done, "checking"))
     doubts = dict.fromkeys((*(f"model: {warning}" for warning in arm.warnings), *checked.doubts))
     said = (remark for remark in checked.remarks if remark not in current().remarks)  # added at the end
     remarks = (*doubts, *map(str, checked.outliers), *said)

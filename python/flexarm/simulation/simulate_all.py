@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import Future
+from concurrent.futures import Future, wait
+from functools import partial
 from threading import Event
 from typing import Any
 
@@ -18,7 +19,7 @@ from flexarm.arm import Arm
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
-from flexarm.simulation.progress import Progress, reported
+from flexarm.simulation.progress import Progress, Report, reported
 from flexarm.simulation.side_by_side import Pair, side_by_side
 from flexarm.simulation.simulate import simulate
 from flexarm.simulation.simulation import Simulation
@@ -67,31 +68,62 @@ def simulate_all(
     wanted = [_pair(run, k) for k, run in enumerate(runs)]
     threads = n_jobs if n_jobs is not None else (os.cpu_count() or 1)
     found: list[Simulation] = []
-    stopped, process = Event(), os.getpid()
+    stopped = Event()
     ends = stop or (lambda: False)
-    options["progress"] = lambda done: not (stopped.is_set() or ends())
-    with reported(progress, f"{len(wanted)} runs") as report, thread_pool(threads) as pool:
+    shares = [0.0] * len(wanted)
+    with reported(progress, f"{len(wanted)} runs") as told, thread_pool(threads) as pool:
+        report = None if told is None else _rising(told)
         waiting: list[Future[list[Simulation]]] = []
         places = [(0, 0)] * len(wanted)
         for chosen in _chosen(wanted, threads):
             for place, k in enumerate(chosen):
                 places[k] = len(waiting), place
-            waiting.append(pool.submit(_simulated, [wanted[k] for k in chosen], options))
+            options["progress"] = partial(_under_way, shares, chosen, lambda: stopped.is_set() or ends())
+            waiting.append(pool.submit(_simulated, [wanted[k] for k in chosen], dict(options)))
         try:
             for future, place in places:
-                run = waiting[future].result()[place]
-                if ends():
+                if not _awaited(waiting[future], shares, report) or ends():
                     break
-                found.append(run)
+                found.append(waiting[future].result()[place])
                 if report is not None and report(len(found) / len(wanted)) is False:
                     break
-                if os.getpid() != process:
-                    raise InvalidParameter("has forked, and the new process has no threads", where="progress")
         finally:
             stopped.set()  # a run that is under way ends early: on an error, or on Ctrl-C
             for each in waiting:
                 each.cancel()
     return found
+
+
+def _rising(report: Callable[[float], object]) -> Callable[[float], object]:
+    """Return a report whose share never falls; raise InvalidParameter in a process that it forked."""
+    most, process = 0.0, os.getpid()
+
+    def rising(done: float) -> object:
+        nonlocal most
+        most = max(most, done)
+        answer = report(most)
+        if os.getpid() != process:
+            raise InvalidParameter("has forked, and the new process has no threads", where="progress")
+        return answer
+
+    return rising
+
+
+def _under_way(shares: list[float], chosen: Sequence[int], stops: Callable[[], bool], done: float) -> bool:
+    """Note the share done of runs that are computed together; return True if they are to go on."""
+    for k in chosen:
+        shares[k] = done
+    return not stops()
+
+
+def _awaited(runs: Future[list[Simulation]], shares: Sequence[float], report: Report) -> bool:
+    """Wait for runs and report the share done of all meanwhile; return False if `report` does so."""
+    pause = 1.0  # between two reports [s]
+    while report is not None and not wait([runs], pause).done:
+        if report(sum(shares) / len(shares)) is False:
+            return False
+    runs.result()
+    return True
 
 
 def _chosen(wanted: Sequence[Pair], threads: int) -> list[list[int]]:

@@ -14,7 +14,7 @@ Source: docs/diagnosis.md.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from flexarm.arm import Arm
@@ -25,7 +25,7 @@ from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
-from flexarm.simulation import Progress
+from flexarm.simulation import Progress, reported
 from flexarm.validation.channel import Channel, channels
 from flexarm.validation.clocks import remarks_on_clocks, remarks_on_late_signals, remarks_on_shared_clocks
 from flexarm.validation.drive_faults import (
@@ -85,7 +85,14 @@ def check(
     --------
     >>> print(check(arm, [flexarm.Record.load("measured")]))  # doctest: +SKIP
     """
-    named = named_records(records)
+    with reported(progress, "checking") as report:
+        return _checked(arm, named_records(records), step, alpha, report or (lambda done: None))
+
+
+def _checked(
+    arm: Arm, named: dict[str, Record], step: float, alpha: float, report: Callable[[float], object]
+) -> ValidationResult:
+    """Return the findings; one half of the progress is the simulation, the other the judgement."""
     outliers: list[RemovedOutliers] = []
     remarks: list[str] = []
     doubts: list[str] = []
@@ -99,7 +106,9 @@ def check(
     }
     plausible = {name: record for name, record in named.items() if not implausible[name]}
     simulations, failed, empty = (
-        simulate_records(arm, plausible, step, alpha, progress) if plausible else ({}, {}, {})
+        simulate_records(arm, plausible, step, alpha, lambda done: report(done / 2))
+        if plausible
+        else ({}, {}, {})
     )
     failed |= {
         name: f"no joint turns as {', '.join(sorted(at))} say{'s' * (len(at) == 1)}"
@@ -139,6 +148,7 @@ def check(
         remarks += notes
         if name in failed and findings.drive is None:
             doubts.append(f"{name}: the model cannot be simulated: {failed[name]}")
+        report(0.5 + len(all_findings) / len(named) / 2)
     remarks += remarks_on_poses(named)
     faults = merge_findings(
         [_reconsider(arm, findings, all_findings, named, step, alpha) for findings in all_findings]

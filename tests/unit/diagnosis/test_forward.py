@@ -195,7 +195,7 @@ def test_a_rival_that_takes_a_place_drops_what_only_the_other_one_needed(search,
     about.about = lambda best: about
     ahead = SimpleNamespace(behind=-3.0, predicts=True, fit=made("bd"))
 
-    def with_alternatives(state, best, estimator):
+    def with_alternatives(state, best, estimator, tell):
         alternatives = [[ahead]] if best.name == "ad" else []
         return SimpleNamespace(best=best, estimator=estimator, alternatives=alternatives)
 
@@ -212,7 +212,7 @@ def test_of_two_that_are_ahead_of_each_other_none_takes_the_place_twice(search, 
     about = SimpleNamespace(problem=None)
     about.about = lambda best: about
 
-    def with_alternatives(state, best, estimator):
+    def with_alternatives(state, best, estimator, tell):
         weighed.append(best.name)
         other = SimpleNamespace(behind=-0.1, predicts=True, fit=made("b" if best.name == "a" else "a"))
         return SimpleNamespace(best=best, estimator=estimator, alternatives=[[other]])

@@ -244,8 +244,18 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     estimator = SimpleNamespace(
         problem=OBSERVED, fit=lambda _: nothing, trial=lambda m, *_: made[m[0].place[0]]
     )
-    found = alternatives.alternatives_of(0, made["chosen"], Criteria(OBSERVED, nothing), estimator, [], [])
+    told = []
+    found = alternatives.alternatives_of(
+        0,
+        made["chosen"],
+        Criteria(OBSERVED, nothing),
+        estimator,
+        [],
+        [],
+        lambda what, done: told.append(what),
+    )
     assert [alternative.candidate.place[0] for alternative in found] == fitted
+    assert told == [f"alternative {k} of {len(fitted)} to effect 1" for k in range(1, len(fitted) + 1)]
 
 
 def test_the_chosen_one_is_compared_as_it_was_tried():
