@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from importlib import import_module
 from inspect import cleandoc
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperArgument, TyperCommand
 
 COMMANDS = (
     "example",
@@ -59,6 +60,15 @@ Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no conve
 """
 
 
+class _Command(TyperCommand):
+    """A command whose help shows arguments by their names alone, as it does options: no `<list[Path]>`."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        for argument in (each for each in self.params if isinstance(each, TyperArgument)):
+            vars(argument)["display_type_rich"] = lambda ctx: None
+
+
 def app_for(arguments: list[str]) -> typer.Typer:
     """Return the application with the command that is asked for; with all of them where that is none.
 
@@ -79,7 +89,7 @@ def _app(commands: Iterable[str]) -> typer.Typer:
     for name in commands:
         module = MODULES.get(name, name)
         command = getattr(import_module(f"flexarm.cli.{module}"), module)
-        app.command(name, help=_help(command.__doc__ or ""))(command)
+        app.command(name, cls=_Command, help=_help(command.__doc__ or ""))(command)
     return app
 
 

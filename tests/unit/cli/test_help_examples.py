@@ -99,3 +99,8 @@ def test_examples_of_help_run_on_the_files_of_the_example(name, tryout, monkeypa
         assert run([command, *rest]) == 0, (command, *rest, capsys.readouterr().err)
         done += 1
     assert done
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_arguments_are_shown_by_their_names_without_types_of_python(name):
+    assert not re.findall(r"<\w+(?:\[\w+\])?>", help_of(name))
