@@ -17,6 +17,7 @@ from flexarm.comparison.bands import alias
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.free_vibration import rings_freely
 from flexarm.comparison.gap import SignalGap, signal_gap
+from flexarm.comparison.moving_start import moving_starts
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.comparison.step_check import step_notes
 from flexarm.drive.lead_in import LEAD
@@ -115,7 +116,13 @@ def comparison_of(
         aligned,
         dict(simulated.skipped),
         modes_hz,
-        (*unplaced, *_unknown_ends(pair), *_notes(record, gaps, modes_hz, aligned, align), *steps),
+        (
+            *unplaced,
+            *moving_starts(simulated),
+            *_unknown_ends(pair),
+            *_notes(record, gaps, modes_hz, aligned, align),
+            *steps,
+        ),
         _found_frames(simulated, aligned) if align else {},
     )
 

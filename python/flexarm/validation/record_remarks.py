@@ -8,8 +8,6 @@ A pause is an interval above `pause_ratio` usual ones. Drop-outs are reported fr
 on. The stated noise of angles is compared with `flexarm.measurement.drive_noise`.
 
 Rows of one pose disagree if they scatter by `min_noises` times the noise.
-
-A simulation that begins at rest with a moving drive rings, which the arm did not. Such a start is reported.
 """
 
 from __future__ import annotations
@@ -21,6 +19,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.sizes import implausible_sizes
+from flexarm.comparison.moving_start import moving_starts
 from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
 from flexarm.comparison.simulated_record import SimulatedRecord
@@ -166,17 +165,4 @@ def _remarks(signal: Signal) -> list[str]:
 def remarks_on_starts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
     """Report records that state a start at rest while a drive moves in its first sample."""
     for name, simulated in simulations.items():
-        record = simulated.record
-        if record.kind == "static" or record.initial == "moving":
-            continue
-        run = simulated.simulation
-        for signal in (record.signals[drive] for drive in record.drive):
-            if signal.quantity != "joint_angle":
-                continue
-            rate = np.abs(run.drive_rate[:, run.joints.index(signal.joint)])
-            if len(rate) > 1 and rate[1] > POLICY.moving_rate * rate.max():
-                share = f"{100 * rate[1] / rate.max():.0f} % of its greatest rate"
-                yield (
-                    f"{name}: {signal.name} moves in the first sample, at {share}, and the record says that "
-                    'it begins at rest; if it does not, state initial = "moving"'
-                )
+        yield from (f"{name}: {remark}" for remark in moving_starts(simulated))

@@ -98,6 +98,8 @@ def test_a_record_that_says_rest_and_begins_in_motion_is_told(problem):
     assert remark.startswith("late: hinge moves in the first sample, at ")
     assert remark.endswith('state initial = "moving"')
     assert not check(crane(), {"late": record}).remarks
+    notes = flexarm.compare(crane(), record.replace(initial="equilibrium"), step=4e-3).notes
+    assert remark.removeprefix("late: ") in notes
 
 
 def test_an_experiment_made_once_more_begins_in_motion_too(problem):
