@@ -55,6 +55,35 @@ def factor_to(si: str, unit: str) -> float | None:
     return {_normal(name): factor for name, factor in FACTORS[si].items()}.get(_normal(unit))
 
 
+_ENDINGS = {
+    "m": ("m",),
+    "mm": ("mm",),
+    "cm": ("cm",),
+    "deg": ("deg", "°"),
+    "rad": ("rad",),
+    "mrad": ("mrad",),
+    "dps": ("deg/s", "°/s"),
+    "rpm": ("rpm",),
+    "ms": ("ms",),
+    "us": ("us", "µs"),
+}
+"""Ends of names of columns that say a unit, and how files write it."""
+
+
+def contradicted_unit(column: str, unit: str) -> str:
+    """Return what is to be said of a column whose name ends in another unit than its own, else nothing.
+
+    >>> contradicted_unit("q_deg", "rad")
+    "column 'q_deg' ends in 'deg', but its unit is 'rad'"
+    """
+    ending = column.rpartition("_")[2]
+    told = _ENDINGS.get(ending)
+    other = ending == "m" and factor_to("m", unit) is None  # such as N_m, of another kind
+    if told is None or unit in told or other:
+        return ""
+    return f"column {column!r} ends in {ending!r}, but its unit is {unit!r}"
+
+
 def si_factor(unit: str, allowed: tuple[str, ...]) -> tuple[str, float]:
     """Return the SI unit among `allowed` that `unit` belongs to, and the factor to it.
 

@@ -87,6 +87,15 @@ def instant(time: float) -> str:
     return f"{time:.3g}" if abs(time) < 100 else f"{time:.1f}"
 
 
+def stamp(time: float) -> str:
+    """Return a stamp in seconds, to a millisecond where it counts from far away, such as from 1970.
+
+    >>> stamp(0.0123456), stamp(12.5), stamp(1.78e9 + 0.25)
+    ('0.0123456', '12.5', '1780000000.25')
+    """
+    return f"{time:.6g}" if abs(time) < 1000 else f"{time:.3f}".rstrip("0").rstrip(".")
+
+
 def interval(estimate: Estimate) -> tuple[str, str, str, str]:
     """Value, lower and upper end of the 90 % interval with the digits it leaves, and their unit."""
     factor, unit = scale([estimate.value, estimate.low90, estimate.high90], estimate.unit)

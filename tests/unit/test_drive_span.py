@@ -9,7 +9,7 @@ import pytest
 
 import flexarm
 from flexarm.cli.run import run as main
-from flexarm.record import Clock
+from flexarm.record import Clock, Record, Signal
 from flexarm.record.plausibility import unknown_motion
 
 RECORD = diagnoses.record(1)
@@ -142,3 +142,13 @@ def test_a_record_lasts_as_long_as_its_drive_whatever_other_clocks_count_from(tm
     record.save(tmp_path / "run")
     assert main(["check", str(tmp_path / "run"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["duration"] == pytest.approx(11.99)
+
+
+def test_stamps_that_count_from_1970_keep_their_digits() -> None:
+    """As 1.78e+09 s both would be the same instant."""
+    time = 1.78e9 + np.linspace(0.0, 10.0, 1001)
+    swing = np.sin(time - 1.78e9)
+    drive = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=time[:501], values=swing[:501])
+    tip = Signal(name="tip", quantity="position", point="tip", axes=("x",), time=time, values=swing)
+    [problem] = unknown_motion(Record(signals=[drive, tip], drive=["hinge"]))
+    assert problem.what.startswith("ends at 1780000005 s, tip is seen from 1780000005.26 to 1780000010 s")

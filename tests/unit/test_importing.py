@@ -528,3 +528,20 @@ def test_where_without_a_row_tells_what_stands_there(tmp_path):
 def test_stamps_of_several_columns_need_their_form(tmp_path):
     (told,) = problems(tmp_path, HINGE.replace('"time"', '["x", "time"]'), log_csv=ROWS)
     assert "signals.hinge.time" in told and "time_format says how they read" in told
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ('"angle"', '"q_deg"', "signals.hinge: column 'q_deg' ends in 'deg', but its unit is 'rad'"),
+        ('"time"', '"t_ms"', "signals.hinge: column 't_ms' ends in 'ms', but its unit is 's'"),
+        ('"angle"]', '"q_deg"]\nunit = "deg"', None),
+        ('"angle"]', '"q_deg"]\nscale = 0.0174533', None),
+        ('"time"', '"t_ms"\ntime_unit = "ms"', None),
+    ],
+    ids=["degrees", "milliseconds", "stated", "scaled", "stated stamps"],
+)
+def test_a_column_named_after_another_unit_is_told(tmp_path, before, after, said):
+    rows = ROWS.replace("angle", "q_deg") if "q_deg" in after else ROWS.replace("time", "t_ms")
+    notes = imported(tmp_path, HINGE.replace(before, after), log_csv=rows).notes
+    assert [str(note) for note in notes] == ([] if said is None else [said])

@@ -353,7 +353,7 @@ def test_a_pause_is_reported() -> None:
         name="a", quantity="joint_angle", joint="a", time=time, values=np.sin(time), noise_std=1e-6
     )
     [problem] = Record(signals=[signal], drive=("a",)).check()
-    assert "has a pause of 91 s after t = 9 s" in problem.what
+    assert "has a pause of 91 s after row 9, 9 s after its first sample" in problem.what
 
 
 # ------------------------------------------------------------------ in the program
@@ -559,3 +559,13 @@ def test_signals_made_in_python_are_checked_as_those_of_files(key: str, value: o
 def test_kinds_of_records_made_in_python_are_checked(key: str, value: str) -> None:
     with pytest.raises(InvalidParameter, match=f"{key}: must be .* got '{value}'"):
         Record(signals=[], **{key: value})
+
+
+def test_stamps_that_repeat_are_told_as_the_file_has_them(record_dir: Path) -> None:
+    """A number of 15 digits has fewer than the file."""
+    encoder = record_dir / "encoder.csv"
+    names = next(line for line in encoder.read_text().splitlines() if line[:1].isalpha())
+    rest = ",0" * names.count(",")
+    encoder.write_text(f"{names}\n1780000000.00000045{rest}\n1780000000.00000012{rest}\n")
+    with pytest.raises(InvalidFile, match=r"1780000000\.00000012 .* 1780000000\.00000045 of line 2"):
+        Record.load(record_dir)

@@ -248,7 +248,7 @@ def test_smoothing_does_not_depend_on_units(count, noise_std, scale, seed):
 @pytest.mark.parametrize(
     ("time", "values", "noise_std", "words"),
     [
-        ([0, 1, 1, 2], [0, 1, 2, 3], 0.1, "must rise, at 1 s"),
+        ([0, 1, 1, 2], [0, 1, 2, 3], 0.1, "must rise, got 1 s after 1 s in sample 3"),
         ([0, 1, 2], [0, 1], 0.1, "one value for each time"),
         ([0, 1, 2], [np.nan, 1, np.nan], 0.1, "at least two finite samples, got 1"),
         ([0, 1, 2], [0, 1, 2], -1.0, "noise_std of a drive"),

@@ -21,6 +21,7 @@ from flexarm.measurement.smoothing import interpolate
 from flexarm.record import Record
 from flexarm.record.columns import CsvFile
 from flexarm.tables.ranges import first_beyond, out_of_range, range_of
+from flexarm.wording import stamp
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +55,7 @@ class Drive:
 
     def __repr__(self) -> str:
         joints = ", ".join(f"{name} ({joint.side})" for name, joint in self.joints.items())
-        return f"<Drive of {joints or 'no joint'}: {self.start:g} to {self.end:g} s>"
+        return f"<Drive of {joints or 'no joint'}: {stamp(self.start)} to {stamp(self.end)} s>"
 
     def sha256(self) -> str:
         """Return the hash of all that a run takes from the drive, for its provenance."""
@@ -212,5 +213,7 @@ def samples_in(path: str | Path, arm: Arm, idle: bool = False) -> tuple[Floats, 
     if len(backward):
         k = int(backward[0]) + 1
         where = f"line {table.line(k)}, column time_s"
-        raise InvalidFile(path, where, f"times must rise, got {time[k]:g} s after {time[k - 1]:g} s")
+        raise InvalidFile(
+            path, where, f"times must rise, got {stamp(time[k])} s after {stamp(time[k - 1])} s"
+        )
     return time, {name: rows[:, i] for i, name in enumerate(names, 1)}

@@ -30,6 +30,7 @@ from flexarm.record.signal import Signal, canonical_pose
 from flexarm.record.table import Clock
 from flexarm.tables import refuse
 from flexarm.tables.field import Path as Where
+from flexarm.units import contradicted_unit
 
 
 @takes(path=PATH)
@@ -118,6 +119,11 @@ class _Importer:
             Problem(f"clocks.{name}", f"stamps count from {as_date(second)}, {second} s after 1970")
             for name, second in origin.items()
             if second
+        ]
+        notes += [
+            note
+            for i, (samples, _) in read.items()
+            for note in _contradictions(self.table.signals[i], samples, arm)
         ]
         by_name = {signal.name: signal for signal in signals}
         return Record(**{**self.table.stated(), "signals": by_name, "clocks": clocks, "notes": tuple(notes)})
@@ -242,6 +248,18 @@ class _Importer:
             **table.located,
             file=f"{Path(table.source).stem}.csv",
         )
+
+
+def _contradictions(table: SignalMap, samples: Samples, arm: Arm | None) -> Iterator[Problem]:
+    """Yield columns whose names end in another unit than the one read; a scale may convert units."""
+    unit = _si_unit(table, arm) if table.unit is None else table.unit
+    read = isinstance(unit, str) and table.scale == (1.0,) and table.input is None
+    columns = [(each, str(unit)) for each in table.columns if isinstance(each, str) and read]
+    if isinstance(table.time, str) and samples.time_unit is None and table.time_format is None:
+        columns.append((table.time, table.time_unit or "s"))
+    for column, stated in columns:
+        if what := contradicted_unit(column, stated):
+            yield Problem(f"signals.{table.name}", what)
 
 
 def request_of(signal: SignalMap) -> Request:

@@ -34,6 +34,7 @@ from flexarm.errors import InvalidParameter
 from flexarm.measurement.knots_at_rest import place_knots_at_rest
 from flexarm.measurement.least_squares_spline import fit_spline
 from flexarm.measurement.penalised_spline import with_penalty
+from flexarm.wording import stamp
 
 COARSEST = 8
 """Intervals of the coarsest spline, about."""
@@ -136,8 +137,9 @@ def _finite(time: ArrayLike, values: ArrayLike) -> tuple[NDArray[np.float64], ND
     if len(t) < 2:
         raise InvalidParameter(f"a drive needs at least two finite samples, got {len(t)}")
     if np.any(np.diff(t) <= 0):
-        at = float(t[1:][np.diff(t) <= 0][0])
-        raise InvalidParameter(f"the times of a drive must rise, at {at:g} s they do not")
+        row = int(np.flatnonzero(np.diff(t) <= 0)[0]) + 1
+        after = f"{stamp(t[row])} s after {stamp(t[row - 1])} s"
+        raise InvalidParameter(f"the times of a drive must rise, got {after} in sample {row + 1}")
     return t, y
 
 

@@ -25,6 +25,7 @@ from numpy.polynomial import Polynomial
 
 from flexarm.arrays import Floats
 from flexarm.errors import Problem
+from flexarm.wording import stamp
 
 if TYPE_CHECKING:
     from flexarm.record.record import Record
@@ -124,7 +125,9 @@ class _Beside(NamedTuple):
         if self.unrelated or not len(rows) or not (moves or np.max(np.ptp(rows, axis=0)) > self.far):
             return None
         t = self.time[begin], self.time[end - 1]
-        return float(t[1] - t[0]), f"{self.name} is seen from {t[0]:.6g} to {t[1]:.6g} s by the drive's clock"
+        return float(
+            t[1] - t[0]
+        ), f"{self.name} is seen from {stamp(t[0])} to {stamp(t[1])} s by the drive's clock"
 
     def moving_for(self) -> float:
         """Return how long it moves: from where it leaves its first place to where it comes to its last."""
@@ -158,10 +161,10 @@ def _beside(record: Record, drive: Signal, other: Signal) -> _Beside:
 def _when(first: float, last: float) -> str:
     """Say when a drive is unknown."""
     if np.isinf(first):
-        return f"begins at {last:.6g} s,"
+        return f"begins at {stamp(last)} s,"
     if np.isinf(last):
-        return f"ends at {first:.6g} s,"
-    return f"pauses from {first:.6g} to {last:.6g} s,"
+        return f"ends at {stamp(first)} s,"
+    return f"pauses from {stamp(first)} to {stamp(last)} s,"
 
 
 def _meets(time: Floats, values: Floats, k: int, still: float) -> bool:

@@ -22,7 +22,7 @@ from flexarm.record.table import Clock
 from flexarm.tables import check_table, read_toml
 from flexarm.tables.place import line_in
 from flexarm.tables.ranges import first_beyond, range_of
-from flexarm.units import factor_to, si_factor
+from flexarm.units import contradicted_unit, si_factor
 
 
 def stored(path: Path, allow_outside: bool = False) -> dict[str, Any]:
@@ -198,8 +198,8 @@ class _Reader:
             row = int(falls[0]) + 1
             rise = stamps[row] - stamps[row - 1]
             kind = "repeats" if rise == 0 else "goes back behind" if rise < 0 else "all but repeats"
-            before = f"{stamps[row - 1]:.15g} of line {csv.line(row - 1)}"
-            what = f"{stamps[row]:.15g} {kind} {before}; times must rise"
+            texts = csv.texts(table.time or "")  # as they stand there: a number may have fewer digits
+            what = f"{texts[row]} {kind} {texts[row - 1]} of line {csv.line(row - 1)}; times must rise"
             raise InvalidFile(csv.file, f"line {csv.line(row)}, column {table.time}", what)
 
     def _pose(self, table: SignalTable) -> NDArray[np.str_]:
@@ -217,23 +217,8 @@ class _Reader:
             *((name, table.unit or table.si[0]) for name in table.channels if table.input is None),
             (table.time or "", table.time_unit),
         ]:
-            suffix = column.rpartition("_")[2]
-            wanted = _SUFFIXES.get(suffix)
-            other = suffix == "m" and factor_to("m", unit) is None  # such as N_m, of another kind
-            if wanted and unit not in wanted and not other:
-                what = f"column {column!r} ends in {suffix!r}, but its unit is {unit!r}"
+            if what := contradicted_unit(column, unit):
                 self.notes.append(Problem(f"signals.{table.name}", what))
-
-
-_SUFFIXES = {
-    "m": ("m",),
-    "mm": ("mm",),
-    "deg": ("deg", "°"),
-    "rad": ("rad",),
-    "ms": ("ms",),
-    "us": ("us", "µs"),
-    "mrad": ("mrad",),
-}
 
 
 def _separated(header: Sequence[str]) -> str:

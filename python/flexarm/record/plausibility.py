@@ -16,6 +16,7 @@ from flexarm.record.noise_plausibility import clock_problems, noise_problems
 from flexarm.record.signal import Signal
 from flexarm.record.table import Frame
 from flexarm.record.time_unit import duration_problems, mismatched_durations
+from flexarm.wording import stamp
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
@@ -142,8 +143,8 @@ def _apart(record: Record) -> Iterable[tuple[Signal, str, str]]:
         margin = 0.0 if signal.clock == own else 3 * record.clocks[signal.clock].sigma
         if start - margin > last or end + margin < first:
             times = (
-                f"runs from {start:.6g} to {end:.6g} s by clock {signal.clock!r}, the drive from {first:.6g} "
-                f"to {last:.6g} s"
+                f"runs from {stamp(start)} to {stamp(end)} s by clock {signal.clock!r}, the drive from "
+                f"{stamp(first)} to {stamp(last)} s"
             )
             yield signal, times, own
 
@@ -222,6 +223,7 @@ def _gaps(signal: Signal) -> Iterable[str]:
     worst = int(np.argmax(steps))
     if steps[worst] > 20 * np.median(steps):
         yield (
-            f"has a pause of {steps[worst]:.3g} s after t = {signal.time[worst]:.6g} s; "
+            f"has a pause of {steps[worst]:.3g} s after row {worst}, "
+            f"{signal.time[worst] - signal.time[0]:.6g} s after its first sample; "
             f"samples are usually {np.median(steps):.3g} s apart"
         )
