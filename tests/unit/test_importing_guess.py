@@ -2,6 +2,7 @@
 
 import tomllib
 from datetime import datetime, timedelta
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -262,6 +263,8 @@ def test_options_that_are_missing_or_out_of_place_are_errors(logs, capsys):
         ("Motor Current [A]", "", "current", "", "A"),
         ("Zähler Hüfte [Inkr]", "", "joint_angle", "", "counts"),
         ("error_pos_deg", "", "", "", "deg"),
+        ("ax1", "", "", "", ""),
+        ("imu_gy_dps", "", "angular_rate", "y", "deg/s"),
         ("temperature", "", "", "", ""),
     ],
 )
@@ -559,3 +562,25 @@ def test_a_column_named_after_all_axes_at_once_is_left_to_its_owner(logs):
     log = np.column_stack([t, 0.3 * np.sin(t), np.sin(t)])
     np.savetxt(logs / "all.csv", log, delimiter=",", header="time_s,hinge_rad,xyz[1]", comments="")
     assert '"xyz[1]": may be position' in guessed(logs, "all.csv", out="all.toml")[1]
+
+
+def test_strokes_pressures_and_an_imu_of_a_crane_are_proposed(tmp_path):
+    """A stroke in mm is the piston's, the only joint of the loop that slides."""
+    crane = (Path(__file__).parents[2] / "examples" / "crane.toml").read_text()
+    (tmp_path / "crane.toml").write_text(crane)
+    t = np.arange(0.0, 8.0, 0.05)
+    swing = np.sin(t)
+    plc = np.column_stack([1e3 * t, 300.0 + 90.0 * swing, 55.0 + swing, 4.0 + 0.0 * t])
+    np.savetxt(tmp_path / "plc.csv", plc, "%.4f", ";", header="time_ms;stroke_mm;pA_bar;pB_bar", comments="")
+    imu = np.column_stack([t, swing, 0.1 * swing, 9.8 + 0.1 * swing, 3 * swing, 0.2 * swing, swing])
+    names = "t_s,ax_mps2,ay_mps2,az_mps2,gx_dps,gy_dps,gz_dps"
+    np.savetxt(tmp_path / "imu.csv", imu, "%.4f", ",", header=names, comments="")
+    found, text = guessed(tmp_path, "plc.csv", "imu.csv", model="crane.toml")
+    assert found["drive"] == ["piston"]
+    told = {s["name"]: (s["quantity"], s["columns"], s["unit"]) for s in found["signals"]}
+    assert told == {
+        "piston": ("joint_angle", ["stroke_mm"], "mm"),
+        "tip_acceleration": ("acceleration", ["ax_mps2", "ay_mps2", "az_mps2"], "m/s2"),
+        "tip_angular_rate": ("angular_rate", ["gx_dps", "gy_dps", "gz_dps"], "deg/s"),
+    }
+    assert '"pA_bar": a pressure; see `sum`' in text

@@ -21,6 +21,8 @@ from flexarm.units import factor_to
 SCALARS = ("joint_angle", "joint_rate", "joint_command", "motor_torque", "current", "motor_voltage")
 MOTOR, OUTPUT = ("mot", "motor", "actuator"), ("se", "link", "out", "output", "secondary", "load", "arm")
 """Words of sides."""
+STROKES = ("stroke", "extension", "hub")
+"""Words of ways of joints that slide."""
 
 
 def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
@@ -71,10 +73,11 @@ def named_after_joints(columns: Sequence[Logged], arm: Arm) -> list[Logged]:
 
 
 def _is_way(column: Logged, arm: Arm) -> bool:
-    """Return True for a length that is named after a joint that slides."""
+    """Return True for a length that is named as a stroke, or after a joint that slides."""
     sliding = [joint.name for joint in arm.moving_joints if joint.type == "prismatic"]
     metres = factor_to("m", column.meaning.unit) if column.meaning.unit else None
-    return metres is not None and bool(matched(str(column.column), sliding))
+    stroke = bool(sliding) and any(word in STROKES for word in words_of(str(column.column)))
+    return metres is not None and (stroke or bool(matched(str(column.column), sliding)))
 
 
 def point_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
@@ -157,16 +160,18 @@ def _is_message(column: Logged) -> bool:
 
 def settle_places(proposals: Sequence[Proposal], arm: Arm) -> None:
     """Give joints and points to the signals whose names do not say them."""
-    joints, points = [joint.name for joint in arm.moving_joints], [point.name for point in arm.points]
+    points = [point.name for point in arm.points]
     families: dict[tuple[Any, str, str], list[Proposal]] = {}
     for proposal in proposals:
         if proposal.place[0] == "joint" and not proposal.place[1]:
             stem = re.sub(r"\d+", "", proposal.first.meaning.stem)
             families.setdefault((proposal.first.kind, stem, proposal.quantity), []).append(proposal)
     for family in families.values():
+        joints = _suiting(family[0], arm)
         if len(family) == 1 and len(joints) == 1:
             family[0].place = ("joint", joints[0])
-            family[0].why["joint"] = "the model's only joint that moves"
+            only = len(arm.moving_joints) == 1
+            family[0].why["joint"] = f"the model's only joint that {'moves' if only else 'has such a unit'}"
         elif numbers := _numbers(family, len(joints)):
             for proposal, number in zip(family, numbers, strict=True):
                 proposal.place = ("joint", joints[number - 1])
@@ -216,6 +221,12 @@ def _point_by_motion(proposal: Proposal, proposals: Sequence[Proposal], arm: Arm
     proposal.place = ("point", found[0][1])
     told = ", ".join(f"{name} by {alike:.3f}" for alike, name in found[:3])
     proposal.unknown["point"] = f"taken by its speed, which goes with that of {told}"
+
+
+def _suiting(proposal: Proposal, arm: Arm) -> list[str]:
+    """Return the moving joints that suit the unit of a column: a length or force is of one that slides."""
+    placed = ((joint.name, replace(proposal, place=("joint", joint.name))) for joint in arm.moving_joints)
+    return [name for name, each in placed if of_joint_type(each, arm)]
 
 
 def of_joint_type(proposal: Proposal, arm: Arm) -> bool:

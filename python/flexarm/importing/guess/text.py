@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.importing.guess.logged import Logged
 from flexarm.importing.map_file import FORMAT
+from flexarm.units import factor_to
 
 if TYPE_CHECKING:
     from flexarm.importing.guess.proposal import Proposal
@@ -124,7 +125,10 @@ def _left(left: Sequence[Logged]) -> Iterator[str]:
     yield "# Columns that are not taken:"
     for column in left[:most_listed]:
         topic = f", {column.topic}" if column.topic is not None else ""
-        what = f"may be {column.meaning.quantity}" if column.meaning.quantity else "unknown"
+        quantity, unit = column.meaning.quantity, column.meaning.unit
+        what = f"may be {quantity}" if quantity else "unknown"
+        if not quantity and unit and factor_to("Pa", unit) is not None:
+            what = "a pressure; see `sum` in docs/importing.md for the force of a cylinder"
         what += f", always {column.values[0]:g}" if column.rests else ""
         yield f"# {column.file}{topic}: {_value(column.column)}: {what}".replace("\n", " ")
     if len(left) > most_listed:

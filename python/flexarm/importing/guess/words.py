@@ -41,6 +41,10 @@ STAMPS = (
     "zeitstempel",
 )
 AXES = "xyzw"
+SPELT = {"dps": "deg/s", "radps": "rad/s", "mps2": "m/s2", "mss": "m/s2"}
+"""Ends of names, as loggers spell units that a name cannot hold."""
+SENSED = {"a": "acceleration", "g": "angular_rate", "w": "angular_rate", "q": "orientation", "f": "force"}
+"""Letters before an axis in words of two, and what they measure."""
 
 Rule = tuple[str, tuple[str, ...], tuple[str, ...]]
 RULES: tuple[Rule, ...] = (
@@ -109,7 +113,7 @@ def unit_in(name: str, said: str = "") -> str:
     brackets = re.findall(r"[\[(]([^\])]+)[\])]\s*$", name)
     per = re.search(r"_([A-Za-z]+)_per_([A-Za-z]+2?)$", name)
     tail = f"{per[1]}/{per[2]}" if per else name.rpartition("_")[2]
-    tail = "N m" if tail == "nm" else tail
+    tail = "N m" if tail == "nm" else SPELT.get(tail, tail)
     ends = [part.rpartition(" in ")[2] for part in brackets]
     for given in (said, *brackets, *ends, tail):
         text: str = given.strip().replace("rads/s", "rad/s").replace("Nm", "N m").replace("degrees", "deg")
@@ -118,18 +122,34 @@ def unit_in(name: str, said: str = "") -> str:
         if factor_to("A", text) is not None:
             return text
         # One letter at the end of a name is a unit only where something stands before it.
-        if text and text != name and any(factor_to(si, text) is not None for si in (*OF_UNIT, "m", "s")):
+        if (
+            text
+            and text != name
+            and any(factor_to(si, text) is not None for si in (*OF_UNIT, "m", "s", "Pa"))
+        ):
             return text
     return ""
+
+
+def _sensed(words: Sequence[str]) -> tuple[str, str, str]:
+    """Return the word of a name that is an axis of a sensor, such as `ax`, with its quantity and axis.
+
+    `ax1` is an axis of a robot.
+    """
+    pairs = ((w, SENSED.get(w[0], ""), w[1]) for w in words if len(w) == 2 and w[1] in AXES)
+    numbered = any(word.isdigit() for word in words)
+    return next((p for p in pairs if p[1] and not (numbered and p[0][0] in "agw")), ("", "", ""))
 
 
 def meaning_of(name: str, said_unit: str = "", kind: str = "") -> Meaning:
     """Return what a column seems to be."""
     unit = unit_in(name, said_unit)
-    words = [w for w in words_of(name) if w != unit.lower() and not (unit == COUNTED and w in COUNTS)]
-    axis = next((w for w in reversed(words) if w in AXES), "")
-    axis = axis or next((w[1] for w in words if len(w) == 2 and w[0] in "qf" and w[1] in AXES), "")
-    stem = " ".join(w for w in words if w != axis and not (len(w) == 2 and w[0] in "qf" and w[1:] == axis))
+    plain, _, tail = name.rpartition("_")
+    words = words_of(plain if tail in SPELT else name)
+    words = [w for w in words if w != unit.lower() and not (unit == COUNTED and w in COUNTS)]
+    pair, sensed, of_pair = _sensed(words)
+    axis = next((w for w in reversed(words) if w in AXES), "") or of_pair
+    stem = " ".join(w for w in words if w not in (axis, pair))
     joined = "".join(words)
     found, why = "", ""
     if any(word in NO_READINGS for word in words):
@@ -139,10 +159,13 @@ def meaning_of(name: str, said_unit: str = "", kind: str = "") -> Meaning:
         if hit and not (quantity == "joint_angle" and axis):
             found, why = quantity, f"{hit!r} in the name"
             break
+    if sensed and axis == of_pair and (not found or found == "joint_angle"):
+        found, why = sensed, f"{pair!r} in the name"
     if not found and re.fullmatch(r"q\d+", joined):
         found, why = "joint_angle", "the name"
     si = next((si for si in (*OF_UNIT, "m") if unit and factor_to(si, unit) is not None), "")
-    if axis and axis != "w" and (not found or found == "joint_angle") and si in ("", "m"):
+    pressure = bool(unit) and factor_to("Pa", unit) is not None
+    if axis and axis != "w" and (not found or found == "joint_angle") and si in ("", "m") and not pressure:
         found, why = "position", f"coordinate {axis} of a point"
     if not found and unit == COUNTED:
         found, why = "joint_angle", f"its unit {unit}"
