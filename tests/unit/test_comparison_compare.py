@@ -422,7 +422,8 @@ def test_a_saved_comparison_holds_its_numbers_and_the_gap_of_each_signal(run, tm
     names = {f"gap-{name}.{end}" for name in found.evidence for end in ("csv", "png")}
     assert {path.name for path in (tmp_path / "gap").iterdir()} == {"comparison.json", *names}
     header, *rows = (tmp_path / "gap" / "gap-tip.csv").read_text().splitlines()
-    assert header == "time_s,tangential [m],radial [m]"
+    readings = "measured x [m],measured z [m],model x [m],model z [m]"
+    assert header == f"time_s,tangential [m],radial [m],{readings}"
     values = np.array([[float(cell) for cell in row.split(",")] for row in rows])
     rms = np.sqrt(np.mean(values[:, 1] ** 2))
     assert rms == pytest.approx(found.signals["tip"].rms["tangential"], rel=1e-6)
@@ -610,3 +611,16 @@ def test_a_comparison_of_a_loop_knows_its_modes():
     found = compare(model, loops.crane_record(model, lift, 5e-3, 1), step=5e-3)
     expected = modes(model, {"piston": 0.25}, count=1).frequency_hz[0]
     assert found.modes_hz[0] == pytest.approx(expected, rel=0.05)
+
+
+def test_a_picture_shows_what_was_measured_and_what_the_model_predicts(run):
+    found = compare(arm(mass=12.0), virtual(run))
+    gap = found.signals["tip"]
+    for axis in ("x", "z"):
+        assert np.all(gap.measured[axis] != gap.model[axis])
+    length = np.hypot(*(gap.measured[axis] - gap.model[axis] for axis in ("x", "z")))
+    assert length == pytest.approx(np.hypot(gap.parts["tangential"], gap.parts["radial"]))
+    axes = found.plot_readings(signal="tip")
+    assert [line.get_label() for line in axes.lines] == ["x measured", "x model", "z measured", "z model"]
+    np.testing.assert_array_equal(axes.lines[1].get_ydata(), gap.model["x"])
+    assert axes.get_ylabel() == "tip [m]"

@@ -43,7 +43,8 @@ def compare(
         flexarm compare arm.toml measured --raw --json
         flexarm compare arm.toml measured --out gap
 
-    With --out DIR holds comparison.json, and of each signal gap-NAME.csv and gap-NAME.png.
+    With --out DIR holds comparison.json, and of each signal gap-NAME.csv and gap-NAME.png: what was measured,
+    what the model predicts, and the gap.
     """
     refuse_step(step)
     arm = load_arm(model)

@@ -21,6 +21,7 @@ from flexarm.wording import number, scale
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -156,10 +157,8 @@ class Comparison(SavedGap):
         """
         import matplotlib.pyplot as plt
 
-        if signal is not None and signal not in self.signals:
-            raise InvalidParameter(missing("compared signal", signal, self.signals), where="signal")
+        gap = self._gap(signal)
         axes = plt.subplots()[1] if ax is None else ax
-        gap = self.signals[signal] if signal is not None else next(iter(self.evidence.values()))
         factor, unit = scale([gap.max["total"]], gap.unit)
         parts = [name for name, part in gap.parts.items() if part is not None]
         for name in parts:
@@ -172,6 +171,44 @@ class Comparison(SavedGap):
         gap.label_poses(axes.xaxis)
         axes.legend()
         return axes
+
+    @takes(ax=AXES, signal=TEXT)
+    def plot_readings(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
+        """Plot what was measured and what the model predicts, by channel in the signal's own frame.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw.
+        signal : str, optional
+            Name of the signal; default: the first that does not drive.
+        """
+        import matplotlib.pyplot as plt
+
+        gap = self._gap(signal)
+        axes = plt.subplots()[1] if ax is None else ax
+        for name, measured in gap.measured.items():
+            (line,) = axes.plot(gap.time, measured, lw=1.6, alpha=0.45, label=f"{name} measured".strip())
+            axes.plot(
+                gap.time, gap.model[name], "--", lw=0.8, color=line.get_color(), label=f"{name} model".strip()
+            )
+        axes.set(xlabel="pose" if gap.poses else "time [s]", ylabel=f"{gap.name} [{gap.reading_unit}]")
+        gap.label_poses(axes.xaxis)
+        axes.legend(fontsize="small", ncols=max(len(gap.measured), 1))
+        return axes
+
+    def _gap(self, signal: str | None) -> SignalGap:
+        """Return the gap of a signal, by default of the first that does not drive."""
+        if signal is not None and signal not in self.signals:
+            raise InvalidParameter(missing("compared signal", signal, self.signals), where="signal")
+        return self.signals[signal] if signal is not None else next(iter(self.evidence.values()))
+
+    def draw(self, figure: Figure, signal: str) -> None:
+        """Draw what was measured beside the model's readings, and below it the gap."""
+        above, below = figure.subplots(2, sharex=True)
+        self.plot_readings(above, signal)
+        self.plot(below, signal)
+        above.set_xlabel("")
 
 
 def frame_words(name: str, pose: tuple[list[float], list[float]]) -> str:

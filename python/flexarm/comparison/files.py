@@ -14,6 +14,7 @@ from flexarm.pictures import Summarised
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 NUMBERS = "comparison.json"
 
@@ -33,6 +34,10 @@ class SavedGap(SavedAsDirectory, Summarised):
         """Draw the gap of a signal."""
         raise NotImplementedError
 
+    def draw(self, figure: Figure, signal: str) -> None:
+        """Fill a figure with the picture of a signal."""
+        self.plot(figure.subplots(), signal)
+
     def write(self, directory: Path) -> None:
         """Write comparison.json, and of each signal that does not drive `gap-NAME.csv` and `gap-NAME.png`.
 
@@ -49,9 +54,9 @@ class SavedGap(SavedAsDirectory, Summarised):
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+        figure = Figure(figsize=(6.4, 4.8), layout="constrained")
         FigureCanvasAgg(figure)
-        self.plot(figure.subplots(), signal)
+        self.draw(figure, signal)
         content = BytesIO()
         figure.savefig(content, format="png", dpi=170)
         return content.getvalue()

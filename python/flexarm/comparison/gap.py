@@ -10,7 +10,7 @@ and gross outliers that the alignment left out (`flexarm.measurement.outliers`).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -56,6 +56,10 @@ class SignalGap:
     """Other rows that are outliers and count in nothing, from 0."""
     poses: tuple[str, ...] = ()
     """Pose of each row; empty of a motion."""
+    measured: Mapping[str, Floats] = field(default_factory=dict)
+    model: Mapping[str, Floats] = field(default_factory=dict)
+    """Readings of the rows by channel, in the frame and unit of the signal; empty if unknown."""
+    reading_unit: str = ""
 
     def line(self, direction: str) -> tuple[Floats, Floats]:
         """Return instants and residual along a direction as a line that breaks (NaN) where rows are left out.
@@ -71,12 +75,17 @@ class SignalGap:
         return np.insert(self.time, missing, np.nan), np.insert(part, missing, np.nan)
 
     def table(self) -> pd.DataFrame:
-        """Return columns of time [s] or pose, and of the residual by direction."""
+        """Return columns of time [s] or pose, of the residual by direction, and of readings by channel."""
         import pandas as pd
 
-        measured = {f"{name} [{self.unit}]": part for name, part in self.parts.items() if part is not None}
+        gaps = {f"{name} [{self.unit}]": part for name, part in self.parts.items() if part is not None}
         along = {"pose": self.poses} if self.poses else {"time_s": self.time}
-        return pd.DataFrame({**along, **measured})
+        readings = {
+            f"{whose}{name and f' {name}'} [{self.reading_unit}]": values
+            for whose, found in (("measured", self.measured), ("model", self.model))
+            for name, values in found.items()
+        }
+        return pd.DataFrame({**along, **gaps, **readings})
 
     def label_poses(self, axis: Axis) -> None:
         """Name at most ten poses along an axis of their numbers; a motion has none."""
@@ -125,6 +134,11 @@ def signal_gap(
     bands: list[Band] = []
     if simulated.record.kind == "motion":
         bands = band_split(instants, residual, band_edges(instants, modes_hz, edges))
+    names = "xyzw" if signal.quantity == "orientation" else signal.axes or ("",)
+    measured, model = (
+        dict(zip(names, values[keep].T, strict=True))
+        for values in (signal.values, simulated.predicted(signal, placement))
+    )
     return SignalGap(
         signal.name,
         signal.quantity,
@@ -139,6 +153,9 @@ def signal_gap(
         int(out.sum()),
         tuple(map(int, np.flatnonzero(left))),
         () if signal.pose is None else tuple(map(str, signal.pose[keep])),
+        measured,
+        model,
+        signal.unit,
     )
 
 
