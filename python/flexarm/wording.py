@@ -160,13 +160,19 @@ def place_words(name: str, at: str | Sequence[str]) -> str:
     return f"{effect_words(name)} at {listed(at) if said else f'{kind}s {listed(at)}'}"
 
 
-def reference_words(name: str) -> str:
+def reference_words(name: str, unknown: bool = False) -> str:
     """Return what the error of a clock or frame is told against; empty for other effects.
+
+    Of a frame whose pose is `unknown` that is a first guess.
 
     >>> reference_words("time_delay"), reference_words("backlash")
     (", against the drive's clock", '')
+    >>> reference_words("frame_registration", unknown=True)
+    ", against a first guess of its pose, which is unknown, in the base's axes"
     """
     kind = KNOWN_EFFECTS.get(name, "")
+    if kind == "frame" and unknown:
+        return ", against a first guess of its pose, which is unknown, in the base's axes"
     if kind == "frame":
         return ", against its stated pose, in the base's axes"
     return ", against the drive's clock" if "clock" in kind else ""

@@ -55,6 +55,7 @@ def test_compare_tells_the_pose_of_an_unknown_frame(record):
 def test_a_diagnosis_tells_it_too_and_keeps_it(record, tmp_path):
     found = flexarm.diagnose(ARM, {"run": record})
     assert "run: frame tracker found at xyz = [" in found.summary()
+    assert "against its stated pose" not in found.summary()
     found.save(tmp_path / "out")
     told = json.loads((tmp_path / "out" / "report.json").read_text())["details"]["frames"]
     assert told["run"]["tracker"]["xyz"] == pytest.approx(XYZ, abs=1e-3)

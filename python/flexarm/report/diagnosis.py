@@ -22,6 +22,7 @@ from flexarm.report.sentences import (
     gap_tables,
     headline,
     hold_out_sentence,
+    nuisance_title,
     remarks_beside,
     stated_sentence,
     unpredicted_sentence,
@@ -29,7 +30,7 @@ from flexarm.report.sentences import (
 )
 from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints, states_drawn
 from flexarm.report.storage import GAPS, MODEL, REPORT, gap_contents
-from flexarm.wording import interval, listed, place_words, probability, reference_words, signed, with_unit
+from flexarm.wording import interval, listed, place_words, probability, signed, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -249,7 +250,7 @@ def _nuisances(diagnosis: Diagnosis) -> list[str]:
     title = "clocks and frames, fitted along: within stated sigmas, or freely where unknown"
     lines = [title] if diagnosis.nuisances else []
     for nuisance in diagnosis.nuisances:
-        lines.append(f"  {place_words(nuisance.name, nuisance.at)}{reference_words(nuisance.name)}")
+        lines.append(f"  {nuisance_title(diagnosis, nuisance)}")
         lines += [f"  {_row(each)}" for each in nuisance.parameters if each.name not in nuisance.undetermined]
         if nuisance.undetermined:
             lines.append(f"    as stated, not determined: {listed(nuisance.undetermined)}")

@@ -18,6 +18,7 @@ from flexarm.report.sentences import (
     gap_tables,
     headline,
     hold_out_sentence,
+    nuisance_title,
     remarks_beside,
     split_alternatives,
     stated_sentence,
@@ -32,7 +33,6 @@ from flexarm.wording import (
     number,
     place_words,
     probability,
-    reference_words,
     scale,
     signed,
     with_unit,
@@ -125,7 +125,7 @@ def _minus(text: str) -> str:
 
 def _nuisance_rows(d: Diagnosis) -> Iterator[Row]:
     for nuisance in d.nuisances:
-        title = f"{place_words(nuisance.name, nuisance.at)}{reference_words(nuisance.name)}"
+        title = nuisance_title(d, nuisance)
         for each in nuisance.parameters:
             if each.name not in nuisance.undetermined:
                 yield {"title": title, **_parameter(each)}

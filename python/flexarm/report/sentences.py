@@ -13,11 +13,20 @@ from typing import TYPE_CHECKING
 
 from flexarm.budget import ended_early
 from flexarm.fit_statistics import PooledGap
-from flexarm.wording import listed, number, place_words, probability, scale, signed, with_unit
+from flexarm.wording import (
+    listed,
+    number,
+    place_words,
+    probability,
+    reference_words,
+    scale,
+    signed,
+    with_unit,
+)
 
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis, HeldOutGap
-    from flexarm.named_effects import Alternative, NamedEffect
+    from flexarm.named_effects import Alternative, NamedEffect, Nuisance
     from flexarm.report.before_after import BeforeAfter
 
 
@@ -193,6 +202,12 @@ def _change(gap: PooledGap, unit: str) -> str:
     if abs(new - old) <= 0.01 * old:  # a per cent is no change
         size = f"is {after} rms"
     return f"{size}{f'; sensor noise is {noise}' if gap.noise_rms is not None else ''}."
+
+
+def nuisance_title(diagnosis: Diagnosis, nuisance: Nuisance) -> str:
+    """Return what is fitted along, where, and against what."""
+    unknown = any(nuisance.at in found for found in diagnosis.frames.values())
+    return f"{place_words(nuisance.name, nuisance.at)}{reference_words(nuisance.name, unknown)}"
 
 
 def hold_out_sentence(diagnosis: Diagnosis) -> str:

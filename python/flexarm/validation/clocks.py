@@ -14,13 +14,15 @@ Heaviside's step H,
 
     y = s p + sum a c - d H(t - T) dp/dt + e.                                                          (2)
 
-A step is reported if it explains `predominant_share` of the squares of e for one channel of the clock. A
-missing effect acts before T as after it.
+A step is reported if it explains `predominant_share` of the squares of e for one channel of the clock, and
+no other channel contradicts it: (1) gives the uncertainty of d there, beyond which two channels differ as two
+records do. A missing effect acts before T as after it, and on each channel otherwise.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -33,7 +35,7 @@ from flexarm.record import Signal
 from flexarm.validation.channel import QUASI_STATIC, Channel, orthonormal_columns
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
-from flexarm.wording import with_unit
+from flexarm.wording import instant, with_unit
 
 
 def remarks_on_shared_clocks(
@@ -136,21 +138,42 @@ def remarks_on_clocks(
     for name, simulated in simulations.items():
         if simulated.record.kind == "static":
             continue
-        best: dict[str, tuple[float, float, float, str]] = {}
+        by_clock: dict[str, list[_Steps]] = {}
         for channel in seen[name]:
-            clock = channel.signal.clock
             if channel.signal.quantity in QUASI_STATIC and len(channel.rows) > 30:
-                best[clock] = max(best.get(clock, (0.0, 0.0, 0.0, "")), _step(channel))
-        found += [
-            f"{name}: the clock {clock} jumps by {1e3 * step:.3g} ms near t = {at:.4g} s, as {label} shows"
-            for clock, (share, step, at, label) in best.items()
-            if share > POLICY.predominant_share and abs(step) > POLICY.min_clock_step
-        ]
+                by_clock.setdefault(channel.signal.clock, []).append(_steps(channel))
+        for clock, steps in by_clock.items():
+            best = max(steps, key=lambda each: each.share.max())
+            k = int(np.argmax(best.share))
+            step, at = float(best.step[k]), float(best.instants[k])
+            shown = best.share[k] > POLICY.predominant_share and abs(step) > POLICY.min_clock_step
+            if shown and not any(each.contradicts(step, float(best.sigma[k]), at) for each in steps):
+                jump = f"{name}: the clock {clock} jumps by {1e3 * step:.3g} ms near t = {instant(at)} s"
+                found.append(f"{jump}, as {best.label} shows")
     return found
 
 
-def _step(channel: Channel) -> tuple[float, float, float, str]:
-    """Return the share of squares that a delay step explains, the step [s], its time, the channel."""
+@dataclass(frozen=True, eq=False)
+class _Steps:
+    """Steps of the delay of a channel, at each of some instants."""
+
+    label: str
+    instants: Floats
+    step: Floats
+    """[s], with 1 sigma."""
+    sigma: Floats
+    share: Floats
+    """Of the squares that the step explains."""
+
+    def contradicts(self, step: float, sigma: float, at: float) -> bool:
+        """Return True if the channel has another step at an instant, beyond what both leave open."""
+        k = int(np.argmin(np.abs(self.instants - at)))
+        least = POLICY.min_sigmas * float(np.hypot(sigma, self.sigma[k]))
+        return abs(float(self.step[k]) - step) > max(POLICY.min_clock_step, least)
+
+
+def _steps(channel: Channel) -> _Steps:
+    """Return the steps of the delay of a channel at instants over its time."""
     rate = channel.regressors[:, -1]  # of a place or angle the last column is -dp/dt
     Q = orthonormal_columns(np.column_stack([channel.predicted, channel.regressors]))
     e = channel.measured - Q @ (Q.T @ channel.measured)
@@ -170,5 +193,6 @@ def _step(channel: Channel) -> tuple[float, float, float, str]:
     along = after(rate * e)
     step = along / size
     share = step * along / whole
-    k = int(np.argmax(share))
-    return float(share[k]), float(step[k]), float(instants[k]), channel.label
+    left = whole * (1.0 - share) / min(len(e), POLICY.independent_samples)
+    sigma = np.where(np.isinf(size), np.inf, np.sqrt(np.maximum(left, 0.0) / size))
+    return _Steps(channel.label, instants, step, sigma, share)

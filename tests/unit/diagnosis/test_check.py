@@ -244,6 +244,19 @@ def test_a_clock_that_jumps_is_said(nominal, faultless):
     assert float(at) == pytest.approx(6, abs=0.5)
 
 
+def test_a_jump_that_one_axis_alone_shows_is_no_clocks(nominal, faultless):
+    """An effect that the model lacks may look so along one axis; a clock moves all axes."""
+    tip = faultless.signals["tip"]
+    late = np.interp(tip.time - 0.015 * (tip.time > 6), tip.time, tip.values[:, 0])
+
+    def deformed(values):
+        values[:, 0] = late
+        return values
+
+    found = check(nominal, {"run": changed(faultless, "tip", deformed)})
+    assert not [remark for remark in found.remarks if "jumps" in remark]
+
+
 def test_a_late_clock_does_not_jump(nominal, faultless):
     """Stamps that are 50 ms late all the time are told as that, and left to the alignment."""
     found = check(nominal, [shifted(faultless, lambda t: t + 0.05)])
