@@ -406,3 +406,16 @@ def test_the_former_name_of_inputs_is_taken_with_a_warning() -> None:
     with pytest.warns(DeprecationWarning, match="Stepper.told is now Stepper.inputs"):
         former = Stepper(paper_arm(), told={"hinge": "motor"})
     assert repr(former) == repr(Stepper(paper_arm(), {"hinge": "motor"}))
+
+
+def test_a_loop_that_diverges_is_told_with_the_torque_that_it_asked_for():
+    """Damping of 300 N m s/rad, sampled each millisecond, on a joint without a rotor."""
+    links = [beam("rod", [0, 0, 1.0], SECTION)]
+    light = arm(joints=[hinge("hinge", "rod")], links=links)
+    sim = flexarm.Stepper(light, {"hinge": "torque"}, step=1e-3)
+    state, torque = sim.start(), 1.0
+    with pytest.raises(NotConverged, match=r"; the inputs were hinge = -?\d\S* N m$") as caught:
+        for _ in range(10000):
+            state = sim.step(state, {"hinge": torque})
+            torque = -300.0 * sim.joint(state, "hinge").drive_rate
+    assert caught.value.time is not None

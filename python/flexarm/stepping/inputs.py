@@ -58,6 +58,15 @@ class Inputs:
                 rows[row] *= factor
         return rows
 
+    def words(self, inputs: Mapping[str, Input]) -> str:
+        """Return inputs as text, with their units."""
+        sliding = {joint.name for joint in self._arm.moving_joints if joint.type == "prismatic"}
+        units = {True: ("N", "m"), False: ("N m", "rad")}
+        return ", ".join(
+            f"{name} = {np.ravel(value)[0]:.4g} {units[name in sliding][self._places[name][2]]}"
+            for name, value in inputs.items()
+        )
+
     def _check_told(self) -> None:
         moving = [joint.name for joint in self._arm.moving_joints]
         for name, what in self.told.items():

@@ -25,7 +25,7 @@ from flexarm.arm.drive_effect import DriveEffect
 from flexarm.arm.joint import gear_input
 from flexarm.arrays import Floats
 from flexarm.assembly import assemble, following_joints, joint_values, point_loads
-from flexarm.errors import InvalidParameter
+from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.former_names import takes_former_names
 from flexarm.measurement.state_snapshots import StateSnapshots
 from flexarm.stepping.inputs import Input, Inputs
@@ -161,10 +161,19 @@ class Stepper:
         InvalidParameter
             If an input is missing, unknown or not finite, or the state belongs to another arm.
         NotConverged
-            With time, iteration and residual.
+            With time, iteration and residual; the message has the inputs.
         """
         points = self._loads(forces) if forces is not None else []
-        return State(self._key, self._core.advance(self._moment(state), self._inputs.rows(inputs), points))
+        moment, rows = self._moment(state), self._inputs.rows(inputs)
+        try:
+            return State(self._key, self._core.advance(moment, rows, points))
+        except NotConverged as error:
+            raise NotConverged(
+                f"{error}; the inputs were {self._inputs.words(inputs)}",
+                time=error.time,
+                iteration=error.iteration,
+                residual=error.residual,
+            ) from error
 
     def joint(self, state: State, name: str) -> JointReading:
         """Return angles, rates and torques of a joint.
