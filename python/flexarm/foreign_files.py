@@ -36,7 +36,7 @@ OTHERS = {
 """First bytes of what no command reads."""
 TAGS = {
     "robot": "is a robot in URDF; its name must end in .urdf",
-    "mujoco": "is a robot in MJCF, as MuJoCo reads it; allowed are TOML and URDF. "
+    "mujoco": "is a robot in MJCF, as MuJoCo reads it; allowed are TOML and URDF (docs/formats.md). "
     "`flexarm export MODEL --mjcf FILE` writes the joints of a model into it",
     "sdf": "is a robot or world in SDF; allowed are TOML and URDF",
     "COLLADA": "is a mesh in COLLADA, which URDF may name",

@@ -33,7 +33,7 @@ MODULES = {"import": "import_logs"}
 """Commands whose names Python keeps for itself, and the names of their functions."""
 
 HELP = """
-Flexible robot arms by finite elements, beside what was measured on them.
+Simulate flexible robot arms by finite elements, and compare them with measurements.
 
 A MODEL is a TOML file, a RECORD a directory with record.toml and CSV files. All values are in SI units and
 radians, joints on the output side (motor angle over ratio).
@@ -56,7 +56,7 @@ radians, joints on the output side (motor angle over ratio).
     flexarm view run                                see it move, in the browser
 
 Exit code: 0 done, 2 the input is at fault, 3 the numbers are at fault (no convergence), 130 interrupted
-(Ctrl-C), 143 terminated (SIGTERM): nothing is left then but output that is whole, which is told.
+(Ctrl-C), 143 terminated (SIGTERM): then only complete output is left, and named.
 """
 
 

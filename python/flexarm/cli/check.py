@@ -42,11 +42,11 @@ def check(
     record: its signals with rates [Hz], drop-outs and clocks. For a super-element: mass, interfaces, modes,
     and whether rigid motion strains it.
 
-    With records behind a model: whether their sensors can be what they say, as the first step of a diagnosis
-    asks before the long ones: channels that are dead, turned over, in another unit or cut off; outliers,
-    jumps of a clock, a noise unlike the stated one. Where a sensor is at fault the data are unusable, and the
-    exit code is 2, as it is where a file cannot be read. Remarks and warnings leave it at 0; where they doubt
-    that values can be of this arm, no sensor is judged until they are mended.
+    MODEL RECORD... also tests whether the sensors can be right, before a long diagnosis. It finds channels
+    that are dead, reversed, saturated or in another unit, outliers, jumps of a clock, and noise unlike the
+    stated one. A faulty sensor makes the data unusable: the exit code is then 2, as for a file that cannot be
+    read. Remarks and warnings leave it at 0. Where values can hardly be of this arm, correct them first: no
+    sensor is judged until then.
 
         flexarm check arm.toml
         flexarm check measured --json

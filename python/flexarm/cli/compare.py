@@ -33,11 +33,11 @@ def compare(
 ) -> None:
     """Show the gap between a model and a record.
 
-    The model is driven by the record's drive and seen at each signal's own instants. The gap [m, rad ...] is
-    shown per signal, direction (tangential, radial, normal; x, y, z with several joints) and frequency band,
-    beside the noise. Clocks and frames are aligned within their stated sigmas. Gross outliers of places and
-    angles count in nothing, and are told. So are signals that half the time step moves by more than half
-    their noise.
+    The record's drive moves the model, which is read at each signal's own instants. The gap [m, rad ...] is
+    measured minus model, per signal, direction (tangential, radial, normal; x, y, z with several joints) and
+    frequency band, with the noise. Clocks and frames are aligned within their stated sigmas. Gross outliers
+    of positions and angles are left out, and a note names them. A note also names each signal whose
+    prediction changes by more than half its noise at half the time step.
 
         flexarm compare arm.toml measured
         flexarm compare arm.toml measured --raw --json

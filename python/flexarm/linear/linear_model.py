@@ -221,10 +221,9 @@ class LinearModel(Result):
         unit = self.output_units[drawn[0]]
         for i in drawn:
             axes.loglog(frequency, response[:, i], label=self.output_names[i])
-        axes.set(
-            xlabel="frequency [Hz]",
-            ylabel=f"output over {self.input_names[k]} [{unit}/({self.input_units[k]})]",
-        )
+        below = self.input_units[k]
+        below = below if below.isalpha() else f"({below})"
+        axes.set(xlabel="frequency [Hz]", ylabel=f"output over {self.input_names[k]} [{unit}/{below}]")
         axes.legend()
         return axes
 
