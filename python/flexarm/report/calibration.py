@@ -19,13 +19,23 @@ from flexarm.json_values import plain
 from flexarm.named_effects import Estimate
 from flexarm.netcdf import save
 from flexarm.output import PAGE, stems, write_file
-from flexarm.report.diagnosis import gap_lines, wrapped
-from flexarm.report.files import WIDTH, Drawing, drawn, filled, log_if_wide, margin_for, sheet, write_files
+from flexarm.report.diagnosis import gap_lines
+from flexarm.report.files import (
+    WIDTH,
+    Drawing,
+    drawn,
+    filled,
+    log_if_wide,
+    margin_for,
+    sheet,
+    text_of,
+    write_files,
+)
 from flexarm.report.gap_figures import AFTER, gaps_along
 from flexarm.report.report_file import Entry, GapsEntry, Known, gaps_of, provenance_of
 from flexarm.report.sentences import gap_tables
 from flexarm.report.storage import GAPS, MODEL, gap_contents
-from flexarm.wording import effect_words, interval, listed, number, scale, with_unit
+from flexarm.wording import effect_words, interval, number, scale, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -191,24 +201,22 @@ def pair_sentence(pair: tuple[str, str, float]) -> str:
 
 def summary(found: Calibration) -> str:
     """Return all that matters on one screen."""
-    known = [each for each in found.parameters if each.determined]
-    one_sided = [each for each in found.parameters if each.one_sided]
-    left = [each.name for each in found.parameters if not (each.determined or each.one_sided)]
-    pairs = found.confounded[:12]  # calibration.json has all
-    parts = [
-        [headline(found), *wrapped(fit_sentence(found))],
-        [line for family in found.families for line in wrapped(family_sentence(family), "", "  ")],
-        ["determined by the data, with 90 % intervals, and the share of the prior variance removed"]
-        * bool(known)
-        + _table([row(each) for each in known]),
-        [ONE_SIDED] * bool(one_sided) + [f"  {one_sided_words(each)}" for each in one_sided],
-        wrapped(f"left near what was known before: {listed(left)}", "", "  ") if left else [],
-        ["correlated"] * bool(pairs) + [f"  {pair_sentence(pair)}" for pair in pairs],
-        [frame_words(each.name, (list(each.xyz), list(each.rpy))) for each in found.frames],
-        gap_lines(found, lambda name: f"{name}{' (held out)' * (name in found.held_out)}"),
-        [line for remark in found.remarks for line in wrapped(f"note: {remark}", "", "  ")],
-    ]
-    return "\n\n".join("\n".join(part) for part in parts if part)
+    free = [each for each in found.parameters if not each.determined]
+    return text_of(
+        "calibration.txt.j2",
+        c=found,
+        headline=headline(found),
+        fit=fit_sentence(found),
+        families=[family_sentence(family) for family in found.families],
+        known="\n".join(_table([row(each) for each in found.parameters if each.determined])),
+        one_sided=[one_sided_words(each) for each in free if each.one_sided],
+        one_sided_title=ONE_SIDED,
+        unknown=[each.name for each in free if not each.one_sided],
+        pairs=[pair_sentence(pair) for pair in found.confounded],
+        most=12,  # pairs; calibration.json has all
+        frame_words=frame_words,
+        gaps=gap_lines(found, {name: f"{name} (held out)" for name in found.held_out}),
+    )
 
 
 def _table(rows: list[tuple[str, str, str, str, str]]) -> list[str]:

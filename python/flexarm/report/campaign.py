@@ -25,11 +25,12 @@ BLUE, ORANGE, GREY = "#0072b2", "#e69f00", "#777777"
 
 def page(findings: Findings, record: Mapping[str, Any]) -> str:
     """Return the page of findings as HTML; `record` is what study.json holds."""
+    failed = f"of which {findings.failed}" if findings.failed else "none of which"
     return filled(
         "campaign.html.j2",
         f=findings,
         record=record,
-        headline=list(_headline(findings)),
+        headline=[f"{findings.count} runs, {failed} failed.", *sentences(findings)],
         targets=[_target_row(each) for each in findings.targets],
         has_nominal=any(each.nominal is not None for each in findings.targets),
         indices=[_index_rows(findings, each) for each in findings.targets if each.indices is not None],
@@ -37,13 +38,7 @@ def page(findings: Findings, record: Mapping[str, Any]) -> str:
         costs=[_cost_rows(findings, each) for each in findings.costs],
         change=_change,
         drawn=drawn(_figures(findings)),
-        with_unit=with_unit,
     )
-
-
-def _headline(f: Findings) -> Iterator[str]:
-    yield f"{f.count} runs, {f'of which {f.failed}' if f.failed else 'none of which'} failed."
-    yield from sentences(f)
 
 
 def sentences(f: Findings) -> Iterator[str]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from math import isfinite
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,7 @@ from flexarm.netcdf import save
 from flexarm.output import PAGE, write_file
 from flexarm.report.diagnosis_page import page
 from flexarm.report.evidence_figures import candidates, constancy, law_rows, laws, of_effect
-from flexarm.report.files import Drawing, drawn, sheet, write_files
+from flexarm.report.files import Drawing, drawn, filled, sheet, text_of, write_files
 from flexarm.report.gap_figures import by_band, gaps_along, waterfall
 from flexarm.report.report_file import provenance_of
 from flexarm.report.sentences import (
@@ -30,7 +31,7 @@ from flexarm.report.sentences import (
 )
 from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints, states_drawn
 from flexarm.report.storage import GAPS, MODEL, REPORT, gap_contents
-from flexarm.wording import interval, listed, place_words, probability, signed, with_unit
+from flexarm.wording import interval, listed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -127,47 +128,26 @@ def write_updated(diagnosis: Diagnosis, path: Path, model: Path | None = None) -
     same file, so there is no date in it. Values are in SI units like those below them; 90 % intervals of
     refined nominal values are those of a normal distribution.
     """
-    lines = [part for line in _head(diagnosis) for part in textwrap.wrap(line, 118, subsequent_indent="    ")]
+    d, known = diagnosis, provenance_of(diagnosis.provenance)
+    files = [name for name in known["inputs_sha256"] if name.endswith(".toml") and "/" not in name]
+    text = filled(
+        "updated.toml.j2",
+        d=d,
+        known=known,
+        model=f"{files[0]}, {d.arm.name!r}" if files else repr(d.arm.name),
+        added=[effect for effect in d.effects if _is_added(d, effect)],
+        alternatives=alternatives_sentence,
+        changed=[each for each in d.refined if each.value != each.nominal],
+        left=[each.parameter for each in d.refined if each.value == each.nominal],
+        plain="{:.6g}".format,
+        normal_90=NORMAL_90,
+        isfinite=isfinite,
+    )
+    lines = (
+        part for line in text.splitlines() for part in textwrap.wrap(line, 118, subsequent_indent="    ")
+    )
     head = "".join(f"# {line}\n" for line in lines)
     write_file(path, f"{head}\n{diagnosis.updated.toml_for(path.parent, model)}")
-
-
-def _head(d: Diagnosis) -> Iterator[str]:
-    known = provenance_of(d.provenance)
-    files = [name for name in known["inputs_sha256"] if name.endswith(".toml") and "/" not in name]
-    model = f"{files[0]}, {d.arm.name!r}" if files else repr(d.arm.name)
-    yield f"Made by flexarm diagnose {known['version']}, seed {known['seed']}: verdict {d.verdict}"
-    yield f"from the model {model} and {_records(d.training)}"
-    if d.held_out and d.hold_out_kind != "blocks":
-        yield f"tried on {_records(d.held_out)}, which no fit has seen"
-    kept = [effect for effect in d.effects if _is_added(d, effect)]
-    moved = d.refinements
-    changed = [each for each in moved if each.refined.value != each.refined.nominal]
-    if not kept and not changed:
-        yield "nothing is changed: this is the nominal model"
-    if kept:
-        yield "added, with 90 % intervals:"
-    for effect in kept:
-        yield f"  {place_words(effect.name, effect.at)}, probability {probability(effect.probability)}"
-        for size in effect.parameters:
-            unit = "" if size.unit in ("", "-", "1") else f" {size.unit}"
-            yield f"    {size.name} = {size.value:.6g}{unit}, {size.low90:.6g} to {size.high90:.6g}"
-        if rivals := alternatives_sentence(effect):
-            yield f"    {rivals}"
-    if changed:
-        yield "refined within the stated uncertainty, with 90 % intervals:"
-    for each in changed:
-        value, half, unit = each.refined.value, NORMAL_90 * each.refined.std, each.refined.unit
-        ends = f", {value - half:.6g} to {value + half:.6g}" if isfinite(half) else ""
-        change = f"{each.refined.nominal:.6g} -> {value:.6g}"
-        yield f"  {each.refined.parameter}: {change}{ends} {unit}".rstrip()
-    left = [each.refined.parameter for each in moved if each.refined.value == each.refined.nominal]
-    if left:
-        yield f"as they were, since the data do not determine them: {listed(left)}"
-
-
-def _records(names: Sequence[str]) -> str:
-    return f"the record{'s' if len(names) > 1 else ''} {listed(names)}"
 
 
 def _is_added(d: Diagnosis, effect: NamedEffect) -> bool:
@@ -178,118 +158,40 @@ def _is_added(d: Diagnosis, effect: NamedEffect) -> bool:
 
 def summary(diagnosis: Diagnosis) -> str:
     """All that matters on one screen."""
-    parts = [
-        [
-            f"{headline(diagnosis)}  [{diagnosis.verdict}]",
-            *wrapped(verdict_sentence(diagnosis)),
-            *wrapped(unpredicted_sentence(diagnosis)),
-        ],
-        _laws(diagnosis),
-        [line for effect in diagnosis.effects for line in _effect(diagnosis, effect)],
-        _refined(diagnosis),
-        _nuisances(diagnosis),
-        _gaps(diagnosis),
-        _remarks(diagnosis),
-    ]
-    return "\n\n".join("\n".join(part) for part in parts if part)
-
-
-def wrapped(text: str, indent: str = "", then: str | None = None) -> list[str]:
-    """Return the lines of a text, indented as the first one or by `then` from the second on."""
-    return textwrap.wrap(
-        text,
-        100,
-        initial_indent=indent,
-        subsequent_indent=indent if then is None else then,
-        break_long_words=False,
-        break_on_hyphens=False,
+    d, refinements = diagnosis, diagnosis.refinements
+    records = {name: name if "held" in name else f"{name} (held out)" for name in d.held_out}
+    return text_of(
+        "diagnosis.txt.j2",
+        d=d,
+        headline=headline(d),
+        verdict=verdict_sentence(d),
+        unpredicted=unpredicted_sentence(d),
+        laws=law_rows(d),
+        estimate=_estimate,
+        stated=lambda effect: "" if d.verdict == "unusable" else stated_sentence(d, effect),
+        refinements=refinements,
+        undetermined=[r.refined.parameter for r in refinements if not (r.determined or r.changed)],
+        nuisance_title=partial(nuisance_title, d),
+        frame_words=frame_words,
+        gaps=gap_lines(d, records),
+        hold_out=hold_out_sentence(d),
+        remarks=remarks_beside(d),
     )
 
 
-def _laws(diagnosis: Diagnosis) -> list[str]:
-    """Return lines on the missing laws, each with its probability and the gap of held-out data with it."""
-    lines: list[str] = []
-    for row in law_rows(diagnosis):
-        text = f"missing law, probability {row['probability']}: {row['says']}"
-        shrinks = "" if row["held_out"] == "–" else f" Held out: {row['held_out']}."
-        lines += wrapped(text + shrinks, then="  ")
-    return lines
-
-
-def _effect(diagnosis: Diagnosis, effect: NamedEffect) -> list[str]:
-    title = f"{place_words(effect.name, effect.at)}, probability {probability(effect.probability)}"
-    lines = [title, *(_row(each) for each in effect.parameters)]
-    if diagnosis.verdict != "unusable":
-        lines += wrapped(stated_sentence(diagnosis, effect), "  ")
-    lines += wrapped(effect.evidence, "  ")
-    for other in effect.alternatives:
-        words = place_words(other.name, other.at)
-        lines.append(f"  or {words}, probability {probability(other.probability)}")
-    return lines
-
-
-def _row(estimate: Estimate) -> str:
+def _estimate(estimate: Estimate) -> str:
     value, low, high, unit = interval(estimate)
-    return f"  {estimate.name:<18}{value:>12} {unit:<12} 90 % interval {low} to {high}"
+    return f"{estimate.name:<18}{value:>12} {unit:<12} 90 % interval {low} to {high}"
 
 
-def _refined(diagnosis: Diagnosis) -> list[str]:
-    found = diagnosis.refinements
-    lines = ["nominal values refined: from, by +- 1 sigma, of what is stated"] if found else []
-    for each in found:
-        if each.determined or each.changed:
-            moved, std, unit = each.texts
-            nominal = with_unit(each.refined.nominal, each.refined.unit, 4)
-            pull = "" if each.pull is None else f", {signed(each.pull, 1)} stated sigma"
-            lines.append(f"  {each.refined.parameter}: {nominal} {moved} +- {std} {unit}{pull}")
-    left = [each.refined.parameter for each in found if not (each.determined or each.changed)]
-    return lines + (wrapped(f"as they were, not determined: {', '.join(left)}", "  ", "    ") if left else [])
-
-
-def _nuisances(diagnosis: Diagnosis) -> list[str]:
-    title = "clocks and frames, fitted along: within stated sigmas, or freely where unknown"
-    lines = [title] if diagnosis.nuisances else []
-    for nuisance in diagnosis.nuisances:
-        lines.append(f"  {nuisance_title(diagnosis, nuisance)}")
-        lines += [f"  {_row(each)}" for each in nuisance.parameters if each.name not in nuisance.undetermined]
-        if nuisance.undetermined:
-            lines.append(f"    as stated, not determined: {listed(nuisance.undetermined)}")
-    return lines + [
-        f"  {record}: {frame_words(name, pose)}"
-        for record, found in diagnosis.frames.items()
-        for name, pose in found.items()
-    ]
-
-
-def _gaps(diagnosis: Diagnosis) -> list[str]:
-    """Return a table by record for each signal, and how the held-out data relate to the training."""
-
-    def label(name: str) -> str:
-        return f"{name} (held out)" if name in diagnosis.held_out and "held" not in name else name
-
-    lines = gap_lines(diagnosis, label)
-    return [*lines, *wrapped(hold_out_sentence(diagnosis))] if lines else []
-
-
-def gap_lines(diagnosis: BeforeAfter, label: Callable[[str], str]) -> list[str]:
-    """Return the tables of the gap by signal as lines, each record under its label."""
+def gap_lines(diagnosis: BeforeAfter, records: Mapping[str, str]) -> str:
+    """Return the tables of the gap by signal, with other names of some records."""
     lines = []
     for table in gap_tables(diagnosis):
         head = f"gap of {table.signal} [{table.unit}]"
-        labels = [f"  {label(name)}" for name, _ in table.rows]
+        labels = [f"  {records.get(name, name)}" for name, _ in table.rows]
         wide = max(26, *(len(text) + 2 for text in (head, *labels)))
         columns = ("rms before", "rms after", "noise", "max before", "max after")
         rows = zip([head, *labels], [columns, *(cells for _, cells in table.rows)], strict=True)
         lines += [f"{text:<{wide}}" + "".join(f"{cell:>12}" for cell in cells) for text, cells in rows]
-    return lines
-
-
-def _remarks(diagnosis: Diagnosis) -> list[str]:
-    lines: list[str] = []
-    if diagnosis.remainder and diagnosis.verdict != "unexplained":
-        lines += wrapped(f"remains: {diagnosis.remainder}", "", "  ")
-    for remark in remarks_beside(diagnosis):
-        lines += wrapped(f"note: {remark}", "", "  ")
-    if diagnosis.next_experiment:
-        lines += wrapped(f"measure next: {diagnosis.next_experiment}", "", "  ")
-    return lines
+    return "\n".join(lines)

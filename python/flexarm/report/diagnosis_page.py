@@ -32,10 +32,7 @@ from flexarm.wording import (
     listed,
     number,
     place_words,
-    probability,
-    scale,
     signed,
-    with_unit,
 )
 
 if TYPE_CHECKING:
@@ -51,9 +48,6 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
     filters: dict[str, Callable[..., Any]] = {
         "breakable": lambda key: Markup("<wbr>").join(re.split(r"(?<=[._/])", key)),
         "minus": _minus,
-        "number": number,
-        "signed": signed,
-        "with_unit": with_unit,
     }
     rotations = d.located.rotations if d.located is not None else None
     return filled(
@@ -90,9 +84,6 @@ def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -
         drawn=drawings,
         fits_too=FITS_TOO,
         effect_law=effect_law,
-        place_words=place_words,
-        probability=probability,
-        scale=scale,
         provenance=report["provenance"],
     )
 

@@ -1,4 +1,4 @@
-"""The files of a report: sheets with axes, images, a page from a template, and the object for programs.
+"""The files of a report: sheets with axes, images, pages and texts from templates, the object for programs.
 
 Sheets are as wide as a page on a phone can show. Margins are stated in inches: an engine that measures every
 label to find them takes as long as the drawing.
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import base64
 import json
+import re
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +17,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from flexarm import wording
 from flexarm.output import FIGURE, write_file
 
 if TYPE_CHECKING:
@@ -96,18 +99,40 @@ def write_files(
 
 
 def filled(template: str, filters: Mapping[str, Callable[..., Any]] | None = None, **values: Any) -> str:
-    """Return a template of this folder with its values, which are escaped; a missing value is an error."""
+    """Return a template of this folder with its values; a missing value is an error.
+
+    Functions of `flexarm.wording` are known to all templates, as filters too. Values are escaped in pages.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
         loader=PackageLoader("flexarm.report", "."),
-        autoescape=True,
+        autoescape=template.endswith(".html.j2"),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= filters or {}
+    words = {name: value for name, value in vars(wording).items() if callable(value)}
+    environment.globals |= words
+    environment.filters |= {**words, "wrapped": wrapped, **(filters or {})}
     return environment.get_template(template).render(**values)
+
+
+def text_of(template: str, **values: Any) -> str:
+    """Return a text from a template, its parts one blank line apart; empty ones leave none."""
+    return re.sub(r"\n{3,}", "\n\n", filled(template, **values)).strip("\n")
+
+
+def wrapped(text: str, indent: str = "", then: str | None = None) -> str:
+    """Return a text in lines of a terminal, indented as the first one or by `then` from the second on."""
+    return textwrap.fill(
+        text,
+        100,
+        initial_indent=indent,
+        subsequent_indent=indent if then is None else then,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 WIDTH = 6.4

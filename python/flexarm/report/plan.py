@@ -14,7 +14,7 @@ import numpy as np
 
 from flexarm.json_values import plain
 from flexarm.report.diagnosis_page import effect_law
-from flexarm.report.files import Drawing, drawn, filled, margin_for, sheet, write_files
+from flexarm.report.files import Drawing, drawn, filled, margin_for, sheet, text_of, write_files
 from flexarm.wording import listed, number, place_words, with_unit
 
 if TYPE_CHECKING:
@@ -45,8 +45,6 @@ def page(plan: Plan, figures: list[Drawing]) -> str:
         groups=group_words(plan),
         additions=plan.additions(),
         effect_law=effect_law,
-        place_words=place_words,
-        number=number,
         drawn={drawing.name: drawing for drawing in figures},
     )
 
@@ -252,46 +250,25 @@ def headline(plan: Plan) -> str:
 
 def summary(plan: Plan) -> str:
     """All that matters on one screen."""
-    lines = [f"plan of {plan.arm.name}: {', '.join(plan.runs)}", headline(plan), ""]
-    lines += [f"assumed: {sentence}" for sentence in plan.assumed]
-    lines += ["", *_effect_lines(plan), ""]
-    if plan.groups:
-        lines.append("cannot be told apart (expected ln Bayes factor below ln 20):")
-        lines += [f"  {group}" for group in group_words(plan)]
-    else:
-        lines.append("every effect that is seen can be told from every other one")
-    return "\n".join([*lines, *_addition_lines(plan)]).replace("\n\n\n", "\n\n")
+    return text_of(
+        "plan.txt.j2",
+        p=plan,
+        headline=headline(plan),
+        effects="\n".join(_effect_lines(plan)),
+        groups=group_words(plan),
+        most=12,  # pairs; plan.json has all
+    )
 
 
-def _effect_lines(plan: Plan) -> list[str]:
+def _effect_lines(plan: Plan) -> Iterator[str]:
+    """Yield the effects as a table with columns that align."""
     rows = [("effect", "smallest detectable", "at plausible", "ln B", "taken for, or why not seen")]
     for i, each in enumerate(plan.effects):
         rivals = [place_words(*plan.effects[j].place) for j in plan.rivals(i)]
         shown = ", ".join(rivals[:2]) + (f" and {len(rivals) - 2} more" if len(rivals) > 2 else "")
-        rows.append(
-            (
-                place_words(*each.place),
-                least_words(each),
-                value_words(each),
-                _evidence(each.log_bayes_factor),
-                shown if each.seen else each.hidden,
-            )
-        )
-    widths = [max(len(row[k]) for row in rows) for k in range(5)]
-    return ["  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
-
-
-def _addition_lines(plan: Plan) -> list[str]:
-    if not plan.ties:
-        return []
-    lines = ["", f"what may be added, and how many of {len(plan.ties)} tied pairs it parts:"]
-    for words, minutes, count in plan.additions():
-        lines.append(f"  {count:4d}  {words} (some {minutes:g} min)")
-    lines += ["", "cheapest addition by pair:"]
-    for tie in plan.ties[:12]:
-        before, best, words = number(tie.log_bayes_factor, 2), tie.cheapest, "nothing on the menu"
-        if best is not None:
-            words = f"{best.addition}, ln B {before} -> {number(best.log_bayes_factor)}"
-        lines.append(f"  {place_words(*tie.one)} | {place_words(*tie.other)}: {words}")
-    more = len(plan.ties) - 12
-    return [*lines, f"  and {more} more pairs (plan.json of --out has all)"] if more > 0 else lines
+        told = shown if each.seen else each.hidden
+        sizes = least_words(each), value_words(each), _evidence(each.log_bayes_factor)
+        rows.append((place_words(*each.place), *sizes, told))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        yield "  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip()
