@@ -20,6 +20,8 @@ from flexarm.analytic.flexible_link import FlexibleLink
 from flexarm.analytic.linear_modal import LinearModal
 from flexarm.analytic.modal_basis import pinned_free_basis
 from flexarm.analytic.nonlinear_modal import NonlinearModal
+from flexarm.arm.inertia import inertia_matrix
+from flexarm.arm.rotation import from_rpy
 from flexarm.errors import InvalidParameter
 
 if TYPE_CHECKING:
@@ -113,19 +115,11 @@ def _flexible_link(arm: Arm, beam: Beam) -> FlexibleLink:
         bending_stiffness=beam.material.youngs_modulus * first,
         mass_per_length=beam.material.density * beam.section.area,
         tip_mass=sum(load.mass for load in arm.payloads),
-        tip_inertia=sum(_inertia_about(axis, load.inertia) for load in arm.payloads),
+        tip_inertia=sum(float(axis @ np.array(inertia_matrix(load.inertia)) @ axis) for load in arm.payloads),
     )
 
 
-def _inertia_about(axis: np.ndarray, inertia: tuple[float, ...]) -> float:
-    from flexarm.arm.inertia import inertia_matrix
-
-    return float(axis @ np.array(inertia_matrix(inertia)) @ axis)
-
-
 def _hangs(arm: Arm, joint: Joint, beam: Beam) -> bool:
-    from flexarm.arm.rotation import from_rpy
-
     frame = np.array(from_rpy(joint.origin.rpy))
     axis = frame @ np.array(joint.axis) / np.linalg.norm(joint.axis)
     along = frame @ np.array(beam.end) / beam.length

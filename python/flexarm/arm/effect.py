@@ -290,17 +290,14 @@ def effect_class(name: str) -> type[Effect]:
             if isinstance(found, type) and issubclass(found, Effect) and getattr(found, "name", None) == name:
                 return found
     if name in KNOWN_EFFECTS:
-        raise InvalidParameter(f"the effect {name!r} is known but cannot be simulated yet; {_simulated()}")
+        simulated = ", ".join(each for each in KNOWN_EFFECTS if util.find_spec(f"flexarm.effects.{each}"))
+        what = f"the effect {name!r} is known but cannot be simulated yet; simulated are {simulated}"
+        raise InvalidParameter(what)
     from difflib import get_close_matches  # only on the way to an error
 
     close = get_close_matches(name, KNOWN_EFFECTS, n=1)
     hint = f" (did you mean {close[0]!r}?)" if close else ""
     raise InvalidParameter(f"unknown effect {name!r}{hint}; known are {', '.join(KNOWN_EFFECTS)}")
-
-
-def _simulated() -> str:
-    names = [name for name in KNOWN_EFFECTS if util.find_spec(f"flexarm.effects.{name}")]
-    return f"simulated are {', '.join(names)}"
 
 
 def read_effect(table: Any) -> Effect:

@@ -64,7 +64,8 @@ def _record_cases(study: Study, folder: Path) -> tuple[tuple[Case, ...], Found]:
             found.append((place, what))
         elif not words and not (folder / pattern).exists():
             found.append((place, _nothing(folder, pattern)))
-    there = [each for each in matches(folder, study.records[0]) if _is_record(each[1])]
+    found_paths = matches(folder, study.records[0])
+    there = [each for each in found_paths if each[1].is_dir() or each[1].suffix == ".toml"]
     if words and not there:
         found.append((("records", 0), _nothing(folder, study.records[0])))
     cases = [
@@ -98,11 +99,6 @@ def matches(folder: Path, pattern: str) -> list[tuple[dict[str, str], Path]]:
         if match := re.fullmatch(regex, path.relative_to(folder).as_posix()):
             found.append((match.groupdict(), path))
     return found
-
-
-def _is_record(path: Path) -> bool:
-    """Return False for a file beside the records' folders."""
-    return path.is_dir() or path.suffix == ".toml"
 
 
 def _filled(pattern: str, labels: Mapping[str, str]) -> str:

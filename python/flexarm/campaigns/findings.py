@@ -137,7 +137,9 @@ def findings_of(data: xr.Dataset, keys: Sequence[str], labels: Sequence[str], se
         times = times_of({label: [str(text) for text in data[label].values] for label in labels})
         time = "" if times is None else "year" if times[2] else times[0]
         found = _trends(data, labels, times, ok) if times else ()
-        return Findings(*about, named=_named(data), verdicts=_verdicts(data, ok), trends=found, time=time)
+        counted = Counter(str(verdict) for verdict in data["verdict"].values[ok])
+        verdicts = tuple(counted.most_common())
+        return Findings(*about, named=_named(data), verdicts=verdicts, trends=found, time=time)
     targets = list(_targets(data, keys, ok, seed))
     return Findings(
         *about,
@@ -313,10 +315,6 @@ def _greatest(data: xr.Dataset, name: str) -> Floats:
 
 
 # ------------------------------------------------------------------------------------------- diagnoses
-
-
-def _verdicts(data: xr.Dataset, ok: Any) -> tuple[tuple[str, int], ...]:
-    return tuple(Counter(str(verdict) for verdict in data["verdict"].values[ok]).most_common())
 
 
 def _named(data: xr.Dataset) -> tuple[tuple[str, int, float], ...]:

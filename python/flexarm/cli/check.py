@@ -100,8 +100,11 @@ def _model(path: Path) -> Told:
     lines, warnings, faults = [arm.summary()], list(arm.warnings), list[Problem]()
     closed: dict[str, float] = {}
     if arm.closures:
+        from flexarm.assembly import loops_of
+
         try:
-            told["loops"] = _loops(arm)
+            closing = loops_of(arm)
+            told["loops"] = {"assembled": closing.assembled, "redundant_conditions": closing.redundant}
             closed = told["loops"]["assembled"]
             lines += ["", *_loop_lines(told["loops"], arm.assembly)]
         except InvalidParameter as error:
@@ -113,17 +116,6 @@ def _model(path: Path) -> Told:
     told["weight"] = weight.to_json_dict()
     where = "where the loops are closed so" if closed else "at q = 0"
     return told, [*lines, "", *_weight_lines(weight, where)], warnings, faults
-
-
-def _loops(arm: Arm) -> dict[str, Any]:
-    """Return where joints of loops stand when these are closed first, and how many conditions repeat others.
-
-    Raise InvalidParameter if a loop cannot be closed.
-    """
-    from flexarm.assembly import loops_of
-
-    found = loops_of(arm)
-    return {"assembled": found.assembled, "redundant_conditions": found.redundant}
 
 
 def _loop_lines(closed: dict[str, Any], stated: Mapping[str, float]) -> list[str]:

@@ -11,7 +11,7 @@ from flexarm.cli.records import blame_one_of, load_record, record_names
 from flexarm.errors import Problem
 
 if TYPE_CHECKING:
-    from flexarm.validation.finding import Fault, ValidationResult
+    from flexarm.validation.finding import ValidationResult
 
 
 Faults = list[tuple[Path, Problem]]
@@ -52,11 +52,19 @@ def _faults(found: ValidationResult, files: dict[str, Path]) -> Faults:
 
 
 def _told(found: ValidationResult) -> dict[str, Any]:
+    keys = ("name", "at", "channels", "records", "probability")
     return {
         "kind": "records",
         "records": list(found.records),
         "usable": found.usable,
-        "faults": [_fault(each) for each in found.faults],
+        "faults": [
+            {
+                **{key: getattr(fault, key) for key in keys},
+                "parameters": [{"name": p.name, "value": p.value, "unit": p.unit} for p in fault.parameters],
+                "evidence": fault.evidence,
+            }
+            for fault in found.faults
+        ],
         "outliers": [
             {"record": each.record, "signal": each.signal, "rows": list(each.rows), "size": each.size}
             for each in found.outliers
@@ -64,9 +72,3 @@ def _told(found: ValidationResult) -> dict[str, Any]:
         "remarks": list(found.remarks),
         "doubts": list(found.doubts),
     }
-
-
-def _fault(fault: Fault) -> dict[str, Any]:
-    keys = ("name", "at", "channels", "records", "probability", "parameters", "evidence")
-    parameters = [{"name": p.name, "value": p.value, "unit": p.unit} for p in fault.parameters]
-    return {key: parameters if key == "parameters" else getattr(fault, key) for key in keys}

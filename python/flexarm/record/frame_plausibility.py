@@ -80,11 +80,5 @@ def _far(signal: Signal, frame: Frame) -> float:
         return 0.0  # what was not measured turns into what was
     place: Floats = np.zeros(3)
     place[axes] = middle
-    place = _turned(frame, place) + np.asarray(frame.xyz)
+    place = np.array(from_rpy(frame.rpy)) @ place + np.asarray(frame.xyz)
     return float(np.linalg.norm(place[axes]))
-
-
-def _turned(frame: Frame, place: Floats) -> Floats:
-    if not any(frame.rpy):
-        return place
-    return np.asarray(np.array(from_rpy(frame.rpy)) @ place)

@@ -189,7 +189,9 @@ def _record_table(record: Record, signals: list[dict[str, Any]]) -> dict[str, An
     table["controllers"] = {name: dict(values) for name, values in record.controllers.items()}
     table["links"] = {name: drawn.to_plain() for name, drawn in record.links.items()}
     table["clocks"] = {name: _clock(clock.to_plain()) for name, clock in record.clocks.items()}
-    table["frames"] = {name: _frame(frame.to_plain()) for name, frame in record.frames.items()}
+    frames = {name: frame.to_plain() for name, frame in record.frames.items()}
+    unknown = {"unknown": True}
+    table["frames"] = {name: "unknown" if each == unknown else each for name, each in frames.items()}
     table["base"] = {} if record.base is None else record.base.to_plain()
     return {**{key: value for key, value in table.items() if value or key == "format"}, "signals": signals}
 
@@ -198,10 +200,6 @@ def _clock(plain: dict[str, Any]) -> Any:
     if plain.get("unknown"):
         return "unknown" if len(plain) == 1 else plain
     return plain if "offset" in plain else plain.get("sigma", 0.0)
-
-
-def _frame(plain: dict[str, Any]) -> Any:
-    return "unknown" if plain == {"unknown": True} else plain
 
 
 def _signal_table(signal: Signal, file: str) -> dict[str, Any]:

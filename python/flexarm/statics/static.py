@@ -58,7 +58,8 @@ def static(
     held = StaticsBatch(arm, at_link, forces or (), sensitivities, driven=tuple(joints or ()))
     found = held.at(joints or {}, forces)
     names = [link.name for link in arm.links if link.type == "superelement"]
-    shapes = (held.system.part_shape(found.equilibrium.state, i) for i in range(len(names)))
+    state = found.equilibrium.state
+    shapes = (held.system.part_shape(state, i) for i in range(len(names)))
     return Statics(
         arm=arm,
         displacement=frozen(
@@ -71,22 +72,22 @@ def static(
             "iterations": found.equilibrium.iterations,
             "load_steps": found.equilibrium.load_steps,
             "residual_N": found.equilibrium.residual,
-            **(_loops_told(arm, held.system, found.equilibrium.state) if arm.closures else {}),
+            **(_loops_told(arm, held.system, state) if arm.closures else {}),
         },
         parts={
             name: PartShape(frozen(frame.R), frozen(frame.x), frozen(freedoms))
             for name, (frame, freedoms) in zip(names, shapes, strict=True)
         },
-        force=_forces(arm, forces) if forces else None,
+        force=frozen([np.asarray(forces.get(each.name, np.zeros(3)), dtype=float) for each in arm.points])
+        if forces
+        else None,
         at_link=tuple(at_link),
         sensitivities=found.sensitivities,
-        closure_force=_closure_forces(arm, held.system, found.equilibrium.state) if arm.closures else None,
+        closure_force=frozen([_core.closure_force(held.system, state, i) for i in range(len(arm.closures))])
+        if arm.closures
+        else None,
         driven=tuple(joints or ()),
     )
-
-
-def _closure_forces(arm: Arm, system: _core.System, state: _core.State) -> Floats:
-    return frozen([_core.closure_force(system, state, i) for i in range(len(arm.closures))])
 
 
 def _loops_told(arm: Arm, system: _core.System, state: _core.State) -> dict[str, Any]:
@@ -108,7 +109,3 @@ def _rigid(arm: Arm, system: _core.System, values: list[float], driven: Collecti
         return positions(system, system.rigid_state(values), len(arm.points))
     plain = assemble(arm, driven=driven, nominal=True)
     return positions(plain, plain.rigid_state(values), len(arm.points))
-
-
-def _forces(arm: Arm, forces: Mapping[str, ArrayLike]) -> Floats:
-    return frozen([np.asarray(forces.get(point.name, np.zeros(3)), dtype=float) for point in arm.points])

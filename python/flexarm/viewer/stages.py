@@ -45,7 +45,8 @@ def of_arm(arm: Arm, joints: Mapping[str, float] | None = None, meshes: Meshes |
             else:
                 moved = np.repeat(angles, len(time), axis=0)
                 moved[:, i] += reach * sine
-                moved = _geared(arm, moved)
+                if arm.gears:
+                    moved = np.array([at_rest(arm, drive_angles(arm, row))[0] for row in moved])
             text = f"{joint.name} moved by {with_unit(reach, 'rad' if joint.type == 'revolute' else 'm')}"
             if len(moved):
                 clips.append(Clip(joint.name, time, skeleton.rigid(moved), text, loops=True))
@@ -321,11 +322,6 @@ def drive_angles(arm: Arm, angles: Floats, driven: Iterable[str] = ()) -> dict[s
         for joint, angle in zip(arm.joints, angles, strict=True)
         if joint.moves and joint.name not in follow
     }
-
-
-def _geared(arm: Arm, angles: Floats) -> Floats:
-    rows = [at_rest(arm, drive_angles(arm, row))[0] for row in angles] if arm.gears else angles
-    return np.array(rows)
 
 
 def _swept(

@@ -54,7 +54,8 @@ def plan_of(radii: Floats, around: int, core_size: float) -> Plan:
     circle = np.full(len(points), np.nan)
     circle[-around * (len(radii) - 1) :] = np.repeat(radii[1:], around)
     rings = _rings(len(core) - around, layers + len(radii) - 2, around)
-    column = np.concatenate([np.zeros(len(square) + layers * around, int), _columns(len(radii), around)])
+    outside = np.repeat(np.arange(1, len(radii) - 1), around)
+    column = np.concatenate([np.zeros(len(square) + layers * around, int), outside])
     return Plan(points, circle, np.concatenate([square, rings]), column)
 
 
@@ -62,10 +63,6 @@ def _circles(radii: Floats, around: int) -> Floats:
     angle = 2 * np.pi * np.arange(around) / around
     directions = np.column_stack([np.cos(angle), np.sin(angle)])
     return np.concatenate([r * directions for r in radii])  # eq. (1)
-
-
-def _columns(n_radii: int, around: int) -> Ints:
-    return np.repeat(np.arange(1, n_radii - 1), around)
 
 
 def _rings(first: int, layers: int, around: int) -> Ints:
