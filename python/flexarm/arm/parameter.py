@@ -114,6 +114,19 @@ def uncertain(arm: Arm) -> tuple[Parameter, ...]:
     return parameters(arm, arm.uncertainty)
 
 
+def stated_sigma(arm: Arm, key: str) -> float | None:
+    """Return 1 sigma of a parameter from `[uncertainty]`: of the value itself or of its vector, or None.
+
+    `key` is such as "points.tip.position.x"; the model's own key may end in a unit.
+    """
+    for given in arm.uncertainty:
+        if key in {parameter.key for parameter in parameters(arm, given)}:
+            _, sigma = arm.sigma(given)
+            component = path_of(arm, key).component or 0
+            return float(sigma[component] if isinstance(sigma, tuple) else sigma) or None
+    return None
+
+
 def numbers_at(arm: Arm, key: str) -> tuple[tuple[Parameter, Path], ...]:
     """Return the numbers that a key means, vectors spelt out, each with its path.
 

@@ -17,7 +17,10 @@ from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
 from flexarm.pictures import Summarised
+from flexarm.report import calibration as calibration_report
 from flexarm.report.before_after import BeforeAfter
+from flexarm.report.calibration import KIND, REPORT, CalibrationFile
+from flexarm.report.storage import stored_parts, tuple_of
 
 if TYPE_CHECKING:
     from flexarm.arm import Arm
@@ -100,15 +103,11 @@ class Calibration(BeforeAfter, SavedAsDirectory, Summarised):
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the object of `calibration.json`, checked against its format."""
-        from flexarm.report.calibration import calibration_dict
-
-        return calibration_dict(self)
+        return calibration_report.calibration_dict(self)
 
     def summary(self) -> str:
         """Estimates with 90 % intervals, correlations and gaps, as text."""
-        from flexarm.report.calibration import summary
-
-        return summary(self)
+        return calibration_report.summary(self)
 
     @classmethod
     @takes(path=PATH)
@@ -129,9 +128,6 @@ class Calibration(BeforeAfter, SavedAsDirectory, Summarised):
         --------
         >>> flexarm.Calibration.load("calibrated").plot(record="other_day")  # doctest: +SKIP
         """
-        from flexarm.report.calibration import KIND, REPORT, CalibrationFile
-        from flexarm.report.storage import stored_parts, tuple_of
-
         told, common = stored_parts(path, KIND, REPORT, CalibrationFile)
         names = told["correlations"]["parameters"]
         return cls(
@@ -148,6 +144,4 @@ class Calibration(BeforeAfter, SavedAsDirectory, Summarised):
         """Write calibration.json, report.html, updated.toml, gaps.nc and figures into a directory that is
         there. With the file of the nominal model, updated.toml keeps its comments.
         """
-        from flexarm.report.calibration import write
-
-        write(self, directory, model)
+        calibration_report.write(self, directory, model)

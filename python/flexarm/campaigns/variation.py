@@ -8,8 +8,7 @@ from typing import Any
 
 from flexarm.arm import Arm
 from flexarm.arm.effect import effect_class, read_effect
-from flexarm.arm.parameter import Parameter, Path, numbers_at, put_all
-from flexarm.arm.uncertainty import owner_of
+from flexarm.arm.parameter import Parameter, Path, numbers_at, put_all, stated_sigma
 from flexarm.campaigns.sampling import Distribution
 from flexarm.campaigns.study import Found, Study, Vary
 from flexarm.errors import InvalidParameter
@@ -101,7 +100,7 @@ def _distribution(arm: Arm, vary: Vary, parameter: Parameter) -> Distribution:
         return Distribution("values", vary.values)
     mean, std = vary.mean, vary.std
     if std is None:
-        std = _stated_sigma(arm, parameter.key)
+        std = stated_sigma(arm, parameter.key)
         if not std:
             stated = ", ".join(arm.uncertainty) or "nothing"
             what = (
@@ -116,21 +115,6 @@ def _distribution(arm: Arm, vary: Vary, parameter: Parameter) -> Distribution:
     if vary.distribution == "lognormal" and mean <= 0:
         raise _Wrong("mean", f"of a lognormal distribution must be positive, got {mean:g} from the model")
     return Distribution(vary.distribution or "normal", (mean, std))
-
-
-def _stated_sigma(arm: Arm, key: str) -> float | None:
-    """1 sigma that `[uncertainty]` gives a number: by its own key or that of the vector it is part of."""
-    for given in arm.uncertainty:
-        place = owner_of(arm, given)
-        stem = ".".join((*place.prefix, place.field))
-        if stem == key:
-            return float(arm.sigma(given)[1])
-        if key.startswith(f"{stem}."):
-            _, sigma = arm.sigma(given)
-            return float(
-                sigma[COMPONENTS.index(key.rpartition(".")[2])] if isinstance(sigma, tuple) else sigma
-            )
-    return None
 
 
 def _missing_effect(arm: Arm, vary: Vary) -> tuple[str, str, str] | None:

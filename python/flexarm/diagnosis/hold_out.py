@@ -43,6 +43,7 @@ from flexarm.errors import InvalidParameter
 from flexarm.measurement.outliers import SMOOTH, beyond_range_of_others, deviation_from_median, nearby
 from flexarm.record import Record
 from flexarm.validation.finding import ValidationResult
+from flexarm.validation.outliers import blank_rows
 from flexarm.validation.sensor_check import named_records
 from flexarm.wording import with_unit
 
@@ -73,26 +74,20 @@ def hold_back(record: Record, compared: Iterable[str] | None = None) -> tuple[Re
     return replace(record, signals=fitted), replace(record, signals=held)
 
 
-def hold_out_kind(arm: Arm, training: Mapping[str, Record], held_out: Record) -> str:
-    """Return "repetition", "interpolation" or "extrapolation": how far held-out data lie from the training.
+def hold_out_kind(arm: Arm, training: Mapping[str, Record], held_out: Record) -> tuple[str, str]:
+    """Return how far held-out data lie from the training, and what lies beyond it in words.
 
-    Payloads, range and rates of the drives, and lengths of links are those of one training record, between
-    training records, or beyond.
+    Payloads, range and rates of the drives, and lengths of links are those of one training record
+    ("repetition"), between training records ("interpolation"), or beyond ("extrapolation").
     """
     asked, known = _features(arm, held_out), _alike(arm, training, held_out)
     if not known:
-        return "extrapolation"
+        return "extrapolation", "it drives other joints, or other links are drawn out"
+    clauses = (each.beyond([record[name].value for record in known]) for name, each in asked.items())
+    beyond = "; ".join(filter(None, clauses))
     if any(all(one.same(record[name]) for name, one in asked.items()) for record in known):
-        return "repetition"
-    return "extrapolation" if _beyond(asked, known) else "interpolation"
-
-
-def hold_out_why(arm: Arm, training: Mapping[str, Record], held_out: Record) -> str:
-    """Return what of a held-out record lies beyond the training, in words; empty if nothing does."""
-    known = _alike(arm, training, held_out)
-    if not known:
-        return "it drives other joints, or other links are drawn out"
-    return "; ".join(_beyond(_features(arm, held_out), known))
+        return "repetition", beyond
+    return "extrapolation" if beyond else "interpolation", beyond
 
 
 @dataclass(frozen=True)
@@ -148,11 +143,6 @@ def _alike(arm: Arm, training: Mapping[str, Record], held_out: Record) -> list[F
 def _driven(record: Record) -> set[str]:
     """Return the joints that a record drives."""
     return {record.signals[name].joint or name for name in record.drive}
-
-
-def _beyond(asked: Features, known: Sequence[Features]) -> list[str]:
-    found = [each.beyond([record[name].value for record in known]) for name, each in asked.items()]
-    return [words for words in found if words]
 
 
 def _features(arm: Arm, record: Record) -> Features:
@@ -288,8 +278,7 @@ def split(arm: Arm, checked: ValidationResult, held_out: ValidationResult) -> Sp
     named = checked.comparable()
     remarks = (*map(str, held_out.outliers), *held_out.remarks)
     for record in held_out.records.values():
-        kind, why = hold_out_kind(arm, named, record), hold_out_why(arm, named, record)
-        return Split(named, dict(held_out.records), kind, why, remarks)
+        return Split(named, dict(held_out.records), *hold_out_kind(arm, named, record), remarks)
     parts = {name: hold_back(record, checked.compared.get(name)) for name, record in named.items()}
     whole = [name for name, (_, back) in parts.items() if back is None]
     return Split(
@@ -343,11 +332,8 @@ def left_out(records: Mapping[str, Record], out: NDArray[np.bool_], problem: Pro
     """Return records without the readings of a mask of rows, in all their channels."""
     found = dict(records)
     for each, where in problem.channels():
-        record = found[each.record]
-        values = record.signals[each.signal].values.copy()
-        values[np.flatnonzero(each.mask)[out[where]]] = np.nan
-        signal = replace(record.signals[each.signal], values=values)
-        found[each.record] = replace(record, signals={**record.signals, each.signal: signal})
+        rows = np.flatnonzero(each.mask)[out[where]]
+        found[each.record] = blank_rows(found[each.record], each.signal, rows)
     return found
 
 

@@ -18,15 +18,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 from flexarm.arguments import PATH, takes
-from flexarm.arm.parameter import parameters, path_of
+from flexarm.arm.parameter import stated_sigma
 from flexarm.comparison.align import KEPT
 from flexarm.fit_statistics import FitStatistics
 from flexarm.law_curve import LawCurve
 from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stage
 from flexarm.output import SavedAsDirectory, stems
 from flexarm.pictures import Summarised, viewed
+from flexarm.report import diagnosis as diagnosis_report
 from flexarm.report.before_after import BeforeAfter
+from flexarm.report.report_file import report_dict
 from flexarm.report.sentences import contradicted_sentence
+from flexarm.report.storage import stored
 from flexarm.wording import scale, signed
 
 if TYPE_CHECKING:
@@ -83,19 +86,6 @@ class Refinement:
             return signed(factor * self.moved, 2), "–", unit
         places = max(0, min(9, 1 - floor(log10(factor * std))))
         return signed(factor * self.moved, places), f"{factor * std:.{places}f}", unit
-
-
-def stated_sigma(arm: Arm, key: str) -> float | None:
-    """Return 1 sigma of a parameter from `[uncertainty]`: of the value itself or of its vector, or None.
-
-    `key` is such as "points.tip.position.x"; the model's own key may end in a unit.
-    """
-    for given in arm.uncertainty:
-        if key in {parameter.key for parameter in parameters(arm, given)}:
-            _, sigma = arm.sigma(given)
-            component = path_of(arm, key).component or 0
-            return float(sigma[component] if isinstance(sigma, tuple) else sigma) or None
-    return None
 
 
 @dataclass(frozen=True)
@@ -224,15 +214,11 @@ class Diagnosis(BeforeAfter, SavedAsDirectory, Summarised):
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the object of `report.json`, checked against its format."""
-        from flexarm.report.report_file import report_dict
-
         return report_dict(self)
 
     def summary(self) -> str:
         """Verdict, effects with 90 % intervals, alternatives, gap, and what to measure next, as text."""
-        from flexarm.report.diagnosis import summary
-
-        return summary(self)
+        return diagnosis_report.summary(self)
 
     def view(self, record: Record | None = None, scale: float = 1.0, urdf: str | Path | None = None) -> View:
         """Show the updated model in three dimensions, along a record with its measured points.
@@ -277,8 +263,6 @@ class Diagnosis(BeforeAfter, SavedAsDirectory, Summarised):
         --------
         >>> flexarm.Diagnosis.load("diagnosis").plot(record="other_day")  # doctest: +SKIP
         """
-        from flexarm.report.storage import stored
-
         return cls(**stored(path))
 
     def write(self, directory: Path, model: Path | None = None) -> None:
@@ -286,9 +270,7 @@ class Diagnosis(BeforeAfter, SavedAsDirectory, Summarised):
 
         The directory is there. With the file of the nominal model, updated.toml keeps its comments.
         """
-        from flexarm.report.diagnosis import write  # needed only to write
-
-        write(self, directory, model)
+        diagnosis_report.write(self, directory, model)
 
 
 def adequate_if_predicted(

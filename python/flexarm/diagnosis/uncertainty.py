@@ -49,14 +49,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexarm.arm.parameter import with_value
+from flexarm.arm.parameter import stated_sigma, with_value
 from flexarm.arrays import Floats
 from flexarm.comparison.align import is_left
 from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.evidence import evidence_of, simulation_errors
 from flexarm.diagnosis.fit import Fit, NormalEquations, joint_jacobian
 from flexarm.diagnosis.problem import Problem
-from flexarm.diagnosis.result import Refinement, stated_sigma
+from flexarm.diagnosis.result import Refinement
 from flexarm.diagnosis.sensor_zeros import is_zero
 from flexarm.named_effects import NORMAL_90, Estimate, Nuisance, Refined
 from flexarm.wording import listed, place_words, with_unit

@@ -10,6 +10,7 @@ from flexarm.arm import Arm
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.pooled_gap import pooled_gap
 from flexarm.fit_statistics import PooledGap
+from flexarm.report.gap_figures import plot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,6 +65,4 @@ class BeforeAfter:
         InvalidParameter
             If there is no such record, or nothing in it was compared.
         """
-        from flexarm.report.gap_figures import plot
-
         return plot(self, ax, record)

@@ -35,6 +35,7 @@ import numpy as np
 from flexarm.comparison.aligned_record import AlignedRecord, by_name
 from flexarm.errors import InvalidParameter
 from flexarm.pictures import Summarised
+from flexarm.report.state_figures import gap_figure
 from flexarm.residual_analysis.joint_rotations import JointRotations, joint_rotations
 from flexarm.residual_analysis.motion_states import (
     CONSTANT,
@@ -250,8 +251,6 @@ class Localisation(Summarised):
 
     def plot(self, signal: str | None = None) -> Figure:
         """Draw the residual of a signal (default: the largest) against angle, rate, torque and time."""
-        from flexarm.report.state_figures import gap_figure
-
         return gap_figure(self, signal=signal)
 
 

@@ -165,7 +165,7 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats) -> NDArray[np.bool_
     return found
 
 
-def blank_rows(record: Record, name: str, rows: NDArray[np.bool_] | Sequence[int]) -> Record:
+def blank_rows(record: Record, name: str, rows: NDArray[np.bool_ | np.intp] | Sequence[int]) -> Record:
     """Return the record with rows of a signal, a mask or numbers, set to NaN."""
     values = record.signals[name].values.copy()
     values[np.asarray(rows)] = np.nan

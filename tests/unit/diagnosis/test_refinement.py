@@ -5,7 +5,8 @@ import pytest
 from arms import crane
 from pytest import approx
 
-from flexarm.diagnosis.result import Refinement, stated_sigma
+from flexarm.arm.parameter import stated_sigma
+from flexarm.diagnosis.result import Refinement
 from flexarm.named_effects import Refined
 
 

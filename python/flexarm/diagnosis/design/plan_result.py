@@ -17,6 +17,7 @@ from flexarm.diagnosis.policy import DESIGN, SelectionPolicy
 from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
 from flexarm.pictures import Summarised
+from flexarm.report import plan as plan_report
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -211,21 +212,15 @@ class Plan(SavedAsDirectory, Summarised):
 
     def headline(self) -> str:
         """Return the plan in a sentence."""
-        from flexarm.report.plan import headline
-
-        return headline(self)
+        return plan_report.headline(self)
 
     def summary(self) -> str:
         """Sizes that are seen, groups that cannot be parted, and what would part them, as text."""
-        from flexarm.report.plan import summary
-
-        return summary(self)
+        return plan_report.summary(self)
 
     def to_json_dict(self) -> dict[str, Any]:
         """Return the object of `plan.json`; what is infinite becomes null."""
-        from flexarm.report.plan import plan_dict
-
-        return plan_dict(self)
+        return plan_report.plan_dict(self)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Return the matrix of expected log Bayes factors.
@@ -235,12 +230,8 @@ class Plan(SavedAsDirectory, Summarised):
         ax : matplotlib Axes, optional
             Where to draw.
         """
-        from flexarm.report.plan import draw_matrix
-
-        return draw_matrix(self, ax)
+        return plan_report.draw_matrix(self, ax)
 
     def write(self, directory: Path) -> None:
         """Write plan.json, plan.html and the figures into a directory that is there."""
-        from flexarm.report.plan import write  # needed only to write
-
-        write(self, directory)
+        plan_report.write(self, directory)

@@ -76,7 +76,9 @@ def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Ar
         found = sorted((_misfit(family, seen[0], arm, option), option) for option in options)
         best, chosen = found[0]
         size = seen[0].track().size
-        told = f"{seen[0].place[1]} of the model then moves by {_by(best, size)} rms, measured {size:.3g} m"
+        told = (
+            f"{seen[0].place[1]} of the model then moves by {best[1] * size:.3g} m rms, measured {size:.3g} m"
+        )
         rivals = tuple(option for misfit, option in found[1:] if misfit[0] - best[0] <= alike)
         _say(family, chosen, told, f"{words_of(rivals[0])} fits almost as well" if rivals else "")
         for proposal in family:
@@ -90,10 +92,6 @@ def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Ar
     _say(
         family, chosen, told, f"no measured point tells; {words_of(others[0])} is possible" if others else ""
     )
-
-
-def _by(misfit: tuple[float, float], size: float) -> str:
-    return f"{misfit[1] * size:.3g} m"
 
 
 def _say(family: Sequence[Proposal], option: Option, why: str, unknown: str) -> None:
@@ -142,7 +140,8 @@ def settle_motion(proposals: Sequence[Proposal], arm: Arm) -> dict[str, str]:
             told_lag = f"{found.lag:.3g} s, each from its first stamp" if late is None else f"{late:.3g} s"
             reason = f"speeds correlate with the model's by {found.correlation:.2f} at a lag of {told_lag}"
             seen.why["point"] = "; ".join(filter(None, (seen.why.get("point"), reason)))
-            if late is not None and found.correlation > ALIKE_SPEEDS and abs(late) > _finest_lag(seen):
+            finest = 3 * float(np.median(np.diff(seen.track().time)))  # below it clocks may be one [s]
+            if late is not None and found.correlation > ALIKE_SPEEDS and abs(late) > finest:
                 for each in (
                     p for p in proposals if p.place == seen.place and p.first.kind == seen.first.kind
                 ):
@@ -168,11 +167,6 @@ def _late(seen: Proposal, drives: Sequence[Proposal], found: Agreement) -> float
     if any(drive.first.file != seen.first.file for drive in drives):
         return None
     return found.lag + seen.first.time.start - drives[0].first.time.start
-
-
-def _finest_lag(seen: Proposal) -> float:
-    """Return the lag [s] below which stamps may be those of one clock: three intervals of the point."""
-    return 3 * float(np.median(np.diff(seen.track().time)))
 
 
 def _from_base(seen: Proposal, arm: Arm, joints: dict[str, Track], lag: float) -> float:
