@@ -24,7 +24,7 @@ from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.tables.toml import read_text
 
-_BLOCK = 1 << 20
+BLOCK = 1 << 20
 """Characters that are read at once: many lines, and little memory beside their columns."""
 
 
@@ -127,7 +127,7 @@ class CsvFile:
             with self._open() as file:
                 for _ in range(self._header_line):
                     file.readline()
-                while text := file.read(_BLOCK) + file.readline():
+                while text := file.read(BLOCK) + file.readline():
                     rows = _core.number_rows(text, len(self.header), where)
                     if rows is None:
                         return None

@@ -110,10 +110,9 @@ def test_the_model_without_effects_stays_where_no_derivatives_can_be_taken():
 @pytest.mark.parametrize("failing", ["a", "b"])
 def test_a_model_without_derivatives_of_its_own_is_judged_as_it_is(failing, monkeypatch):
     """ "a" comes first and "b" close; about itself each leaves a tenth of what it left before."""
-    monkeypatch.setattr(selection, "_ranked", lambda fits, *_: sorted(fits, key=lambda fit: fit.cost))
-    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
-    monkeypatch.setattr(selection, "log_bayes_factor", lambda *_: 0.0)
-    monkeypatch.setattr(selection, "_unsettled", lambda *_: [])
+    for judged in ("reduces", "leaves_gap", "in_conflict"):
+        monkeypatch.setattr(Criteria, judged, lambda *_: False)
+    monkeypatch.setattr(selection, "log_bayes_factor", lambda one, other, _: other.cost - one.cost)
     monkeypatch.setattr(selection, "refined_while_better", lambda fit, about: (fit, about))
 
     def again(_, nearby):
@@ -141,9 +140,10 @@ def test_where_no_small_steps_can_be_taken_clocks_and_frames_take_over_all_the_s
     monkeypatch.setattr(
         confounding, "linear_response", lambda candidate, *_: None if candidate.at == "rod" else 1
     )
-    monkeypatch.setattr(confounding, "_never_confounded", lambda *_: False)
+    law = SimpleNamespace(is_wave=False, is_spring=False)
     probed = [
-        SimpleNamespace(candidate=SimpleNamespace(place=at, at=at, spots={at})) for at in ("rod", "tracker")
+        SimpleNamespace(candidate=SimpleNamespace(place=at, at=at, spots={at}, effect=law, needs=None))
+        for at in ("rod", "tracker")
     ]
     nuisance = SimpleNamespace(keys=[], parameters=[SimpleNamespace(kind="nominal", key="modulus")])
     projection = SimpleNamespace(jacobian=None)

@@ -49,7 +49,7 @@ def fit(names):
 
 def fits_all(members, nearby=None, limit=np.inf):
     """What a estimator finds of effects that are names: a model that leaves as much as all others."""
-    return SimpleNamespace(name=members[0], places=members, cost=50.0)
+    return SimpleNamespace(name=members[0], places=members, members=(), cost=50.0)
 
 
 def names(fits):
@@ -290,7 +290,6 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
     monkeypatch.setattr(proposals, "slow_part", lambda problem: len)
     monkeypatch.setattr(proposals, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(proposals, "rescreened_at_size", lambda estimator, shares, best: shares)
-    monkeypatch.setattr(proposals, "_multi_started", lambda *_: [])
     monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
     monkeypatch.setattr(Criteria, "explains", lambda *_: False)
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
@@ -301,14 +300,14 @@ def test_more_single_effects_are_fitted_where_all_leave_a_gap(monkeypatch, gap, 
 
 def test_what_promises_less_than_would_be_worth_a_name_is_not_fitted_even_then(monkeypatch):
     shares = [SimpleNamespace(members=(str(k),), places=(str(k),), share=0.5**k) for k in range(20)]
-    monkeypatch.setattr(proposals, "screen", lambda *_: shares)
+    monkeypatch.setattr(proposals, "screen", lambda *_, seen=None: [] if seen else shares)
     monkeypatch.setattr(proposals, "one_variant", lambda shares, most: list(shares)[:most])
     monkeypatch.setattr(proposals, "rescreened_at_size", lambda estimator, shares, best: shares)
-    wanted, others = proposals._screened(
-        SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False
-    )
-    assert len(wanted) == 6
-    assert [share.share for share in others] == [0.5**6]  # the next is 0.8 %
+    monkeypatch.setattr(Criteria, "explains", lambda *_: False)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)
+    estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
+    found = names(proposals.fit_singles(estimator, [None] * 20, BARE, CRITERIA))
+    assert found == [str(k) for k in range(7)]  # of the second rank one: the next promises 0.8 %
 
 
 @pytest.mark.parametrize("most, first", [(0.4, "far"), (0.6, "near")], ids=["little promised", "enough"])
@@ -317,21 +316,26 @@ def test_laws_are_looked_at_again_at_the_ends_of_what_is_plausible(monkeypatch, 
     near = [SimpleNamespace(members=("near",), places=("near",), share=most)]
     far = [SimpleNamespace(members=("far",), places=("far",), share=0.5)]
     monkeypatch.setattr(proposals, "screen", lambda *_: near)
-    monkeypatch.setattr(proposals, "one_variant", lambda shares, most: list(shares)[:most])
-    monkeypatch.setattr(proposals, "rescreened_at_size", lambda estimator, shares, best: shares)
-    monkeypatch.setattr(proposals, "_at_ends", lambda *_: far)
-    wanted, _ = proposals._screened(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=True)
-    assert wanted[0].members == (first,)
-    wanted, _ = proposals._screened(SimpleNamespace(problem=NOTHING), [None] * 20, None, {}, at_ends=False)
-    assert wanted[0].members == ("near",)  # what is left is noise, of which nothing explains half
+    monkeypatch.setattr(proposals, "one_variant", lambda shares, most: list(shares))
+    monkeypatch.setattr(proposals, "rescreened_at_size", lambda estimator, shares, best: shares or far)
+    monkeypatch.setattr(Criteria, "adequate", lambda *_: True)
+    monkeypatch.setattr(Criteria, "explains", lambda *_: False)
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
+    estimator = SimpleNamespace(trial=fits_all, problem=NOTHING)
+    assert names(proposals.fit_singles(estimator, [], BARE, CRITERIA))[0] == first
+    after = proposals.fit_singles(estimator, [], BARE, CRITERIA, found=[fit("a")])
+    assert names(after) == ["near"]  # what is left is noise, of which nothing explains half
 
 
-def test_the_ends_are_those_of_laws_of_one_parameter_that_are_not_there():
+def test_the_ends_are_those_of_laws_of_one_parameter_that_are_not_there(monkeypatch):
     """Vectors, waves and springs are sized by several; what is fitted already has its own size."""
     problem = Problem(run_of("two joints").simulation.arm, {"run": run_of("two joints").record}, step=4e-3)
     estimator = Estimator.nominal(problem, nuisance_model(problem))
     probed = [Probed(each, np.empty((0, 0))) for each in candidates(problem, estimator.nuisance.arm)]
-    found = proposals._at_ends(estimator, probed, SimpleNamespace(spots={("link_mass", "fore")}))
+    found, best = [], SimpleNamespace(members=(), places=(), spots={("link_mass", "fore")})
+    monkeypatch.setattr(proposals, "screen", lambda *_, **__: [])
+    monkeypatch.setattr(proposals, "rescreened_at_size", lambda _, shares, best: found.extend(shares) or [])
+    proposals.fit_singles(estimator, probed, best, Criteria(problem, best))
     values = {(m.name, m.at): [] for (m,) in (share.members for share in found)}
     for (m,) in (share.members for share in found):
         values[m.name, m.at].append(m.effect.parameters()[0][1])

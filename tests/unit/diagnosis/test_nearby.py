@@ -7,6 +7,7 @@ import pytest
 from planted import run_of
 
 import flexarm
+from flexarm.diagnosis.candidate import Candidate
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves import search_state as module
@@ -16,7 +17,7 @@ from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.screening import LONGER, probe, screen
 from flexarm.effects import LinkMass, PayloadInertia
-from flexarm.errors import NotConverged
+from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.measurement import predict
 from flexarm.record import Clock
 
@@ -131,7 +132,11 @@ def test_springs_take_one_small_step_and_softer_ones_are_as_soft_as_they_were_pr
 def test_a_law_stays_as_it_was_where_its_steps_cannot_be_made(heavier, monkeypatch):
     estimator, probed, fit, _ = heavier
     load = of(probed, LOAD)
-    monkeypatch.setattr(module, "_nudged", lambda *_: [])
+
+    def refused(*_):
+        raise InvalidParameter("mass must be positive")
+
+    monkeypatch.setattr(Candidate, "nudged", refused)
     assert rescreened(estimator, load, fit) == load
 
 

@@ -1,5 +1,6 @@
 """Fits taken further, on objectives that are made up: how often, and which one comes out."""
 
+from math import inf
 from types import SimpleNamespace
 
 import pytest
@@ -7,13 +8,16 @@ import pytest
 from flexarm.diagnosis import refinement as polish
 from flexarm.errors import NotConverged
 
-ABOUT = SimpleNamespace(problem=None, with_effects=lambda members: members)
-HONEST = SimpleNamespace(problem=None, fit=lambda members: fit(1e9))
+PROBLEM = SimpleNamespace(policy=None)
+ABOUT = SimpleNamespace(problem=PROBLEM, with_effects=lambda members: members)
+HONEST = SimpleNamespace(problem=PROBLEM, fit=lambda members: fit(1e9))
 """A fitter about a fit, which finds nothing better."""
 
 
 def fit(objective):
-    return SimpleNamespace(objective=objective, cost=objective, residual=[0.0], members=("spring",))
+    made = SimpleNamespace(objective=objective, cost=objective, residual=[0.0], members=("spring",))
+    made.projected, made.non_smooth = [0.0], True
+    return made
 
 
 @pytest.fixture
@@ -36,7 +40,7 @@ def path(monkeypatch):
     monkeypatch.setattr(polish, "objective", lambda one: one.objective)
     monkeypatch.setattr(polish, "predicted_decrease", lambda one: 0.0)
     monkeypatch.setattr(polish, "sigma_squared", lambda one: 1.0)
-    monkeypatch.setattr(polish, "_is_below_noise", lambda one, about: False)
+    monkeypatch.setattr(polish, "above_noise", lambda *_: {"run": inf})
     monkeypatch.setattr(polish, "is_non_smooth", lambda arm: True)
     return objectives
 

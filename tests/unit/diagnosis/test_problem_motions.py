@@ -74,9 +74,10 @@ def test_derivatives_of_a_long_swing_are_those_of_the_equations(run, step):
 def test_steps_are_halved_again_where_half_a_step_moves_more_than_the_noise(run, monkeypatch, step, finest):
     """16 ms leave several sigmas of phase after half a minute, 8 ms a quarter of that."""
     there = problem(run, step)
-    seen, plain = [], SimulationCache._along
+    seen, plain = [], flexarm.simulate
     monkeypatch.setattr(
-        SimulationCache, "_along", lambda self, *given: seen.append(self.step) or plain(self, *given)
+        "flexarm.simulation.simulate",
+        lambda *given, **named: seen.append(named["step"]) or plain(*given, **named),
     )
     there.correction(run.simulation.arm)
     assert min(seen) == pytest.approx(step / finest)

@@ -137,8 +137,8 @@ def test_what_strains_values_is_taken_on_before_it_is_judged(monkeypatch):
     monkeypatch.setattr(selection, "relinearised", relinearised)
     monkeypatch.setattr(Criteria, "conflict", lambda self, fit: strained.get(fit.name, 0.0))
     monkeypatch.setattr(selection, "refined_while_better", lambda fit, about: (fit, about))
-    monkeypatch.setattr(selection, "_ranked", lambda fits, *_: sorted(fits, key=lambda f: f.cost))
-    monkeypatch.setattr(selection, "log_bayes_factor", lambda *_: np.inf)
+    far = lambda one, other, _: np.copysign(np.inf, other.cost - one.cost)  # noqa: E731
+    monkeypatch.setattr(selection, "log_bayes_factor", far)
     fits = [
         Made("encoder_eccentricity", 12.0, 1.0, gap=False),
         Made("payload_inertia", 18.0, 1.0, gap=False),
@@ -230,8 +230,6 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     shares = [
         SimpleNamespace(members=made[name].members, share=s) for name, s in (("near", 0.9), ("far", 0.09))
     ]
-    for name in ("_near", "_hysteresis", "_springs_elsewhere"):
-        monkeypatch.setattr(alternatives, name, lambda *_: [])
     monkeypatch.setattr(alternatives, "screen", lambda *_: shares)
     monkeypatch.setattr(alternatives, "out_of_step", lambda *_: False)
     monkeypatch.setattr(alternatives, "rescreened_at_size", lambda estimator, shares, fit: shares)
@@ -239,7 +237,7 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: gap)
     monkeypatch.setattr(alternatives, "predicts_better", lambda *_: False)
     monkeypatch.setattr(alternatives, "log_likelihood_ratio", lambda *_: 0.0)
-    monkeypatch.setattr(alternatives, "_refined_model", lambda fit, *_: (fit, 9.0))
+    monkeypatch.setattr(alternatives, "log_bayes_factor", lambda *_: 90.0)  # too far behind for a step
     nothing = SimpleNamespace(members=(), places=(), cost=9.0)
     estimator = SimpleNamespace(
         problem=OBSERVED, fit=lambda _: nothing, trial=lambda m, *_: made[m[0].place[0]]

@@ -138,6 +138,7 @@ def _moves(
 ) -> Iterator[tuple[Candidate, Floats, Conflicting]]:
     """Yield absent effects, their responses about a fit, and those of parameters in conflict.
 
+    Waves, and springs that another law needs, are never confounded.
     For clocks alone nothing is simulated: no motion of an arm looks like late readings.
     """
     free = [p.candidate for p in probed if not p.candidate.spots & best.spots]
@@ -146,18 +147,12 @@ def _moves(
         moves = linear_response(candidate, best.nuisance.keys, best.projection.jacobian)
         if moves is not None:
             yield candidate, moves, conflicting
-        elif not _never_confounded(candidate, others):
+        elif not (candidate.effect.is_wave or candidate.needs or same_in_small_steps(candidate, others)):
             others.append(candidate)
     kinds = {unknown.kind for unknown in best.nuisance.parameters if unknown.key in conflicting}
     if kinds != {"clock"}:
         with suppress(*FIT_ERRORS):  # the fit itself may fail in longer steps
             yield from _small_moves(estimator, others, best, conflicting)
-
-
-def _never_confounded(candidate: Candidate, others: Sequence[Candidate]) -> bool:
-    """Return True for waves, springs that another law needs, and variants with the same small steps."""
-    again = same_in_small_steps(candidate, others)
-    return candidate.effect.is_wave or candidate.needs is not None or again
 
 
 def _confounded(
