@@ -274,13 +274,13 @@ def as_numbers(array: Array, place: Callable[[int], str], what: str, key: str = 
     return found
 
 
-def needed(package: str, source: str | Path, extra: str = "import") -> Any:
-    """Return a package that an extra installs.
+def needed(package: str, source: str | Path) -> Any:
+    """Return a package that the extra `import` installs.
 
     Raise InvalidFile with the pip command, if it is missing.
     """
     try:
         return import_module(package)
     except ImportError:
-        what = f"needs the package {package.partition('.')[0]}: pip install 'flexarm[{extra}]'"
+        what = f"needs the package {package.partition('.')[0]}: pip install 'flexarm[import]'"
         raise InvalidFile(source, "file", what) from None

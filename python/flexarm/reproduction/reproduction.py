@@ -162,7 +162,7 @@ def _number(value: float) -> str:
     return f"{value:.5f}" if 0.999 < value < 1 else f"{value:.3g}"
 
 
-def _power(value: float, digits: int = 3) -> Markup:
+def _power(value: float) -> Markup:
     """Return the mantissa times a power of ten."""
-    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    mantissa, exponent = f"{value:.2e}".split("e")
     return Markup("{} · 10<sup>{}</sup>").format(mantissa, str(int(exponent)).replace("-", "−"))

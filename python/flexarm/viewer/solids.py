@@ -62,10 +62,10 @@ class Surface:
         """Return the surface turned, then shifted."""
         return Surface(self.corners @ np.asarray(rotation).T + np.asarray(position), self.faces)
 
-    def on(self, bone: int, layer: str, name: str, colour: str, opacity: float = 1.0) -> Skin:
+    def on(self, bone: int, layer: str, name: str, colour: str) -> Skin:
         """Return it as a skin on one bone."""
         bones = np.full((len(self.corners), 1), bone)
-        return Skin(layer, name, bones, self.corners[:, None], self.faces, colour, opacity=opacity)
+        return Skin(layer, name, bones, self.corners[:, None], self.faces, colour)
 
 
 def joined(*surfaces: Surface) -> Surface:
