@@ -1,7 +1,7 @@
 """Calibration: families with hierarchical priors, estimates of all that is uncertain, and their files."""
 
 import json
-from math import log, pi
+from math import isnan, log, pi
 from pathlib import Path
 
 import numpy as np
@@ -129,6 +129,10 @@ def test_files_are_read_again(found, tmp_path):
     assert again.to_json_dict() == {**found.to_json_dict()}
     assert again.summary() == found.summary()
     assert again.plot().lines
+    first, *others = told["parameters"]
+    unknown = {**told, "parameters": [{**first, "std": None}, *others]}
+    (tmp_path / "out" / "calibration.json").write_text(json.dumps(unknown))
+    assert isnan(flexarm.Calibration.load(tmp_path / "out").parameters[0].std)
     told["correlations"]["matrix"][0].pop()
     for damaged in (told, {}):
         (tmp_path / "out" / "calibration.json").write_text(json.dumps(damaged))

@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm.arrays import Floats
-from flexarm.calibration.estimates import OneSided
+from flexarm.calibration_estimates import OneSided
 from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.named_effects import NORMAL_90
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexarm.calibration_estimates import DETERMINED
 from flexarm.diagnosis.policy import FamilyPolicy
 from flexarm.former_names import takes_former_names
 
@@ -50,7 +51,7 @@ class CalibrationPolicy(FamilyPolicy):
     """First damping [-] after a step that raised the objective, over the diagonal; tenfold each time."""
     trials: int = 8
     """Most trials of one step [1]."""
-    determined: float = 0.5
+    determined: float = DETERMINED
     """Share of its prior variance [-] that data remove from a parameter that they determine."""
     correlated: float = 0.9
     """Correlation of two parameters [-] that is reported."""

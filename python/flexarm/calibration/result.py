@@ -12,8 +12,8 @@ import numpy as np
 from flexarm.arguments import PATH, TEXT, takes
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
-from flexarm.calibration.estimates import CalibratedFamily, CalibratedFrame, CalibratedParameter, ChiSquare
 from flexarm.calibration.policy import CalibrationPolicy
+from flexarm.calibration_estimates import CalibratedFamily, CalibratedFrame, CalibratedParameter, ChiSquare
 from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
 from flexarm.pictures import Summarised

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import count
 from math import exp
+from typing import get_args
 
 import numpy as np
 
@@ -15,13 +16,6 @@ from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, SECONDS
 from flexarm.arm import Arm
 from flexarm.arm.parameter import path_of, with_value
 from flexarm.budget import current, limited
-from flexarm.calibration.estimates import (
-    CalibratedFamily,
-    CalibratedFrame,
-    CalibratedParameter,
-    ChiSquare,
-    Range,
-)
 from flexarm.calibration.estimation import Estimation, Posterior
 from flexarm.calibration.families import Family, family_kinds, with_families
 from flexarm.calibration.intervals import Marginal, marginals, own_prior
@@ -29,6 +23,14 @@ from flexarm.calibration.optimum import posterior_of
 from flexarm.calibration.parameters import FreeParameter
 from flexarm.calibration.policy import CalibrationPolicy
 from flexarm.calibration.result import Calibration
+from flexarm.calibration_estimates import (
+    CalibratedFamily,
+    CalibratedFrame,
+    CalibratedParameter,
+    ChiSquare,
+    Kind,
+    Range,
+)
 from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES
 from flexarm.configuration import version
 from flexarm.diagnosis.coarse_encoders import with_errors_of_drives
@@ -141,10 +143,10 @@ def _calibration(
     steps = count(1)  # each does a fifth of the rest, as how many follow is not known
     posterior = posterior_of(estimation, lambda what: tell(0.9 * (1 - 0.8 ** next(steps)), what))
     tell(0.9, "verifying")
-    kinds, free = ("family", "nominal", "clock", "frame", "base"), posterior.estimation.parameters
-    order = [k for kind in kinds for k, parameter in enumerate(free) if parameter.kind == kind]
-    found = marginals(posterior)
-    told = tuple(_parameter(posterior, k, found[k]) for k in order)
+    free, found = posterior.estimation.parameters, marginals(posterior)
+    kinds = {k: kind for kind in get_args(Kind) for k, each in enumerate(free) if each.kind == kind}
+    order = list(kinds)
+    told = tuple(_parameter(posterior, k, kind, found[k]) for k, kind in kinds.items())
     model = _without_registrations(posterior.estimation.model(posterior.point.u), arm, posterior)
     updated = without_idle_zeros(_rounded(model, uncertain, told), arm)
     split_records = SplitRecords(parted.training, parted.held_out, step, alpha, workers)
@@ -216,7 +218,7 @@ def _rounded(model: Arm, uncertain: Arm, told: Iterable[CalibratedParameter]) ->
     return model
 
 
-def _parameter(posterior: Posterior, k: int, found: Marginal) -> CalibratedParameter:
+def _parameter(posterior: Posterior, k: int, kind: Kind, found: Marginal) -> CalibratedParameter:
     estimation = posterior.estimation
     free, u = estimation.parameters[k], float(posterior.point.u[k])
     prior = float(np.sqrt(np.linalg.inv(estimation.precision())[k, k]))
@@ -226,7 +228,7 @@ def _parameter(posterior: Posterior, k: int, found: Marginal) -> CalibratedParam
     guess, sigma = first_guess(free.key, estimation.problem), (high - low) / (2 * NORMAL_90)
     return CalibratedParameter(
         free.key,
-        free.kind,
+        kind,
         free.value(u) + guess,
         sigma * free.slope(u),
         free.value(low) + guess,

@@ -9,11 +9,12 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from math import exp
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
+from flexarm.calibration_estimates import CalibratedFamily, CalibratedFrame, CalibratedParameter
 from flexarm.comparison.comparison import frame_words
 from flexarm.json_values import plain
 from flexarm.named_effects import Estimate
@@ -32,7 +33,7 @@ from flexarm.report.files import (
     write_files,
 )
 from flexarm.report.gap_figures import AFTER, gaps_along
-from flexarm.report.report_file import Entry, GapsEntry, Known, gaps_of, provenance_of
+from flexarm.report.report_file import Entry, GapsEntry, gaps_of, provenance_of
 from flexarm.report.sentences import gap_tables
 from flexarm.report.storage import GAPS, MODEL, gap_contents
 from flexarm.wording import effect_words, interval, number, scale, with_unit
@@ -40,7 +41,6 @@ from flexarm.wording import effect_words, interval, number, scale, with_unit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from flexarm.calibration.estimates import CalibratedFamily, CalibratedParameter
     from flexarm.calibration.result import Calibration
 
 
@@ -231,49 +231,6 @@ def _table(rows: list[tuple[str, str, str, str, str]]) -> list[str]:
 FORMAT = "flexarm-calibration/1"
 
 
-class RangeEntry(Entry):
-    """A value with its 90 % interval."""
-
-    value: float
-    low90: Known
-    high90: Known
-
-
-class ParameterEntry(Entry):
-    """An estimate; `name` is the key of the model's parameter."""
-
-    name: str
-    kind: Literal["family", "nominal", "clock", "frame", "base"]
-    value: float
-    std: Known
-    low90: Known
-    high90: Known
-    unit: str
-    prior: RangeEntry
-    identifiability: Annotated[float, Field(ge=0, le=1)]
-    family: str
-    one_sided: Literal["", "low", "high"] = ""
-
-
-class FamilyEntry(Entry):
-    """A family of effects."""
-
-    effect: str
-    parameter: str
-    unit: str
-    at: list[str]
-    shared: RangeEntry | None
-    spread: float
-
-
-class FrameEntry(Entry):
-    """Pose of a frame of measurement in the base."""
-
-    name: str
-    xyz: list[float]
-    rpy: list[float]
-
-
 class CorrelationsEntry(Entry):
     """Correlations of the parameters, in their order."""
 
@@ -321,10 +278,10 @@ class CalibrationFile(Entry):
     """The whole file."""
 
     format: Literal["flexarm-calibration/1"]
-    parameters: list[ParameterEntry]
-    families: list[FamilyEntry]
+    parameters: list[CalibratedParameter]
+    families: list[CalibratedFamily]
     correlations: CorrelationsEntry
-    frames: list[FrameEntry]
+    frames: list[CalibratedFrame]
     chi_square: ChiSquareEntry
     gap: GapsEntry
     provenance: ProvenanceEntry

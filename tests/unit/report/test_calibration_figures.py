@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 from pytest import approx
 
-from flexarm.calibration.estimates import CalibratedFamily, CalibratedParameter, Range
+from flexarm.calibration_estimates import CalibratedFamily, CalibratedParameter, Range
 from flexarm.report.calibration import _figures, members
 
 

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
-from flexarm.calibration.policy import CalibrationPolicy
+from pydantic import Field
+
+from flexarm.json_values import KnownOrNan
 
 OneSided = Literal["", "low", "high"]
+Kind = Literal["family", "nominal", "clock", "frame", "base"]
+"""Kinds of parameters, in the order of a result."""
+DETERMINED = 0.5
+"""Share of its prior variance [-] that data remove from a parameter that they determine."""
 
 
 @dataclass(frozen=True)
@@ -16,8 +22,8 @@ class Range:
     """A value with its 90 % interval [its unit]."""
 
     value: float
-    low90: float
-    high90: float
+    low90: KnownOrNan
+    high90: KnownOrNan
 
 
 @dataclass(frozen=True)
@@ -26,17 +32,16 @@ class CalibratedParameter:
 
     name: str
     """Key of the model's parameter."""
-    kind: str
-    """One of "family", "nominal", "clock", "frame", "base"."""
+    kind: Kind
     value: float
-    std: float
-    low90: float
-    high90: float
+    std: KnownOrNan
+    low90: KnownOrNan
+    high90: KnownOrNan
     """Posterior mode, 1 sigma and 90 % interval [unit]."""
     unit: str
     prior: Range
     """Before any data."""
-    identifiability: float
+    identifiability: Annotated[float, Field(ge=0, le=1)]
     """Share of the prior variance that the data removed [-]; of a member of a family, of its spread."""
     family: str = ""
     """Effect of its family; empty without one."""
@@ -47,7 +52,7 @@ class CalibratedParameter:
     @property
     def determined(self) -> bool:
         """Return True if the data removed most of the prior variance, and set both ends."""
-        return self.identifiability > CalibrationPolicy.determined and not self.one_sided
+        return self.identifiability > DETERMINED and not self.one_sided
 
 
 @dataclass(frozen=True)
