@@ -23,7 +23,6 @@ from flexarm.importing.frequency_response import check_frequencies, response_of
 from flexarm.importing.map_file import Dialect, Every, MapTable, SignalMap, read_map
 from flexarm.importing.source import Array, Request, Samples, Source, Unreadable
 from flexarm.importing.stamps import Stamps, as_date, origins, stamps_of
-from flexarm.measurement.torque import gear_ratio
 from flexarm.reading import reading
 from flexarm.record.compatibility import unknown_names
 from flexarm.record.record import Record

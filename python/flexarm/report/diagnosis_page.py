@@ -31,7 +31,6 @@ from flexarm.wording import (
     interval,
     listed,
     number,
-    place_words,
     signed,
 )
 
