@@ -172,9 +172,9 @@ def _friction(simulated: SimulatedRecord, signal: Signal, placement: Placement) 
     return [np.tanh(v / (1e-2 * fastest)), v / fastest]
 
 
-QUASI_STATIC = ("position", "deflection", "joint_angle", "inclination", "orientation")
+QUASI_STATIC = ("position", "joint_angle", "inclination", "orientation")
 """Quantities that do not ring by as much as they move."""
-RINGING = ("motor_torque", "motor_voltage", "strain", "acceleration", "angular_rate")
+RINGING = ("motor_torque", "motor_voltage", "strain", "deflection", "acceleration", "angular_rate")
 """Quantities of which a nominal model misses more."""
 
 
@@ -314,7 +314,8 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
         steps = np.diff(measured[keep, k])  # their scatter is an upper bound of the noise
         noise = min(stated, float(np.std(steps) / np.sqrt(2)) if len(steps) > 1 else 0.0)
         rows = slice(None) if keep.all() else keep
-        size = reach(simulated.arm) if signal.unit == "m" else float(signal.quantity in QUASI_STATIC)
+        size = reach(simulated.arm) if signal.unit == "m" else 1.0
+        at_rest = POLICY.missed_at_rest * size if signal.quantity in QUASI_STATIC else 0.0
         found.append(
             Channel(
                 name,
@@ -327,8 +328,8 @@ def _of_signal(name: str, simulated: SimulatedRecord, placement: Placement, sign
                 regressors[rows],
                 prior_std,
                 noise or 1e-6 * moving,
-                float(np.hypot(POLICY.missed_at_rest * size, missed_share(signal) * moving)),
-                reach(simulated.arm) if signal.unit == "m" else 1.0,
+                float(np.hypot(at_rest, missed_share(signal) * moving)),
+                size,
                 _driven(simulated, instants[rows]),
             )
         )

@@ -25,7 +25,9 @@ class ValidationPolicy:
 
     # model error of a nominal model
     missed_share: float = 0.03  # [-] share of the motion that it misses
-    missed_ringing: float = 0.1  # [-] the same of torques, strains, accelerations and rates, which ring
+    missed_ringing: float = (
+        0.1  # [-] the same of torques, strains, bending, accelerations and rates, which ring
+    )
     missed_at_rest: float = 1e-3  # [rad, reach] what it misses whatever the motion
 
     # nuisance regressors: prior deviations, far wider than any record states

@@ -18,6 +18,7 @@ from swings import Swing
 from virtual_lab import Lab, Nuisances, record
 
 import flexarm
+from flexarm.arm.sensor import Sensor
 from flexarm.effects import SignError
 from flexarm.validation.saturation import _cut
 from flexarm.validation.sensor_check import check
@@ -378,3 +379,36 @@ def test_bad_input_is_said(nominal):
         check(nominal, [])
     with pytest.raises(flexarm.InvalidParameter, match=r"records\.run: must be a Record, .* got str"):
         check(nominal, {"run": "somewhere"})
+
+
+def rigid_as_a_tool(arm: flexarm.Arm) -> flexarm.Arm:
+    """A hundred times as stiff: its tip bends by less than a thousandth of its reach."""
+    [rod] = arm.links
+    return arm.replace(
+        links=[rod.replace(material=rod.material.replace(youngs_modulus=100 * rod.material.youngs_modulus))]
+    )
+
+
+def bent(arm: flexarm.Arm) -> flexarm.Record:
+    """A swing of an arm whose encoder, tip and deflection are seen."""
+    time = np.linspace(0.0, 4.0, 401)
+    drive = flexarm.Drive.from_samples(time, {"hinge": 0.3 + 0.6 * np.sin(1.5 * time) ** 2})
+    sensors = [
+        Sensor(
+            name="hinge", quantity="joint_angle", joint="hinge", side="motor", rate_hz=100, noise_std=2e-6
+        ),
+        Sensor(name="tip", quantity="position", point="tip", rate_hz=50, noise_std=1e-4),
+        Sensor(name="bow", quantity="deflection", point="tip", axes=("x",), rate_hz=50, noise_std=1e-6),
+    ]
+    run = flexarm.simulate(arm, drive)
+    return flexarm.measure(run, sensors, np.random.default_rng(1), drive=["hinge"])
+
+
+@pytest.mark.parametrize(
+    ("factor", "names"), [(1e3, ["unit_error"]), (-1.0, ["sign_error"]), (1.0, []), (2.0, [])]
+)
+def test_a_deflection_is_judged_by_its_own_size_and_not_by_the_reach(nominal, factor, names):
+    """Millimetres for metres and a turned sign are faults; twice the deflection is a softer link."""
+    arm = rigid_as_a_tool(nominal)
+    found = check(arm, {"run": changed(bent(arm), "bow", lambda values: factor * values)})
+    assert [fault.name for fault in found.faults] == names
