@@ -115,7 +115,10 @@ def test_a_record_of_responses_is_called_that(folder, capsys):
     assert "poses" not in said
     view = ["view", str(folder), "--model", str(folder / "arm.toml"), "--out", str(folder / "page.html")]
     assert run(view) == 2
-    assert "holds frequency responses; only motions are shown" in capsys.readouterr().err
+    refused = capsys.readouterr().err
+    assert refused.startswith(f"error: {folder}: kind: holds frequency responses; only motions are shown")
+    assert run(["diagnose", str(folder / "arm.toml"), str(folder), "--out", str(folder / "why")]) == 2
+    assert capsys.readouterr().err.startswith(f"error: {folder}: kind: is a frequency response")
 
 
 def test_bands_without_frequencies_are_not_told(folder):

@@ -186,6 +186,7 @@ def blame(file: Path, record: Path | None = None) -> Iterator[None]:
     except InvalidParameter as error:
         problem = error.problems[0]
         in_record = record is not None and problem.where.split(".")[0] in (
+            "kind",
             "signals",
             "drive",
             "clocks",
