@@ -126,7 +126,9 @@ def test_without_sensors_a_tracker_is_assumed_and_said():
 
 
 def test_assumed_noise_is_told_in_the_unit_of_its_sensor():
-    torque = Sensor(name="torque", quantity="motor_torque", joint="hinge", rate_hz=20, clock="controller")
+    torque = Sensor(
+        name="torque", quantity="motor_torque", joint="hinge", side="output", rate_hz=20, clock="controller"
+    )
     tip = tracker("tip").replace(noise_std=None, unit="mm")
     found = from_drive("run", there_and_back(10.0), crane(torque, tip))
     assert found.assumed[:2] == (
@@ -230,6 +232,18 @@ def test_the_file_holds_what_is_printed():
     assert len(report["effects"]) == len(found.effects) == len(report["log_bayes_factor"])
     assert report["ties"][0]["additions"][0]["addition"] in found.summary()
     assert found.headline() in found.summary()
+
+
+@pytest.mark.parametrize(("side", "share"), [("output", 1.0), ("motor", 1 / 120)])
+def test_a_torque_that_states_no_noise_has_as_much_on_either_side_of_the_gear(side, share):
+    torque = Sensor(name="torque", quantity="motor_torque", joint="hinge", side=side, rate_hz=20)
+    planned = from_drive("run", there_and_back(4.0), crane(torque))
+    [assumed] = planned.sensors
+    assert assumed.noise_std == approx(share * NOISE["motor_torque"])
+    record = planned.record(crane(), 4e-3, -0.05)
+    silent = {**record.signals, "torque": record.signals["torque"].replace(noise_std=None)}
+    [again] = from_record("again", record.replace(signals=silent), crane()).sensors
+    assert again.noise_std == approx(assumed.noise_std)
 
 
 def test_an_arm_without_trackers_is_offered_reflectors():

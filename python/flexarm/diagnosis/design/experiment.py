@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.arm.joint import motor_ratio
 from flexarm.arm.sensor import Sensor
 from flexarm.comparison.alignment_parameters import drive_clock, is_unknown_clock, stated_placement
 from flexarm.diagnosis.policy import DESIGN
@@ -149,7 +150,8 @@ NOISE = {
     "force": 1.0,
     "motor_torque": 2.0,
 }
-"""1 sigma of sensors that state none [SI]: a laser tracker, an encoder, MEMS, a strain gauge, a load cell."""
+"""1 sigma of sensors that state none [SI]: a laser tracker, an encoder, MEMS, a strain gauge, a load cell, a
+torque at the output."""
 CONTROLLER, TRACKER = "controller", "tracker"
 CLOCK = Clock(sigma=2e-3)
 FRAME = Frame(translation=1e-3, rotation=5e-4)
@@ -176,7 +178,7 @@ def from_drive(
             f"{_size(NOISE['position'], 'm')} of noise at {DESIGN.tracker_hz:g} Hz and nothing else, since "
             "the model has no sensors: state those you have as [[sensors]]"
         )
-    placed = [_placed(sensor, said) for sensor in sensors]
+    placed = [_placed(sensor, arm, said) for sensor in sensors]
     known_clocks, known_frames = dict(clocks or {}), dict(frames or {})
     late = {s.clock for s in placed if s.clock not in (None, own)} - set(known_clocks)
     where = {s.frame for s in placed if s.frame != "base"} - set(known_frames)
@@ -212,7 +214,7 @@ def from_record(name: str, record: Record, arm: Arm, noise: Mapping[str, float] 
     own, clocks = drive_clock(record), _counted_from_drive(record)
     said: list[str] = []
     sensors = [
-        _as_sensor(signal, _start(record, signal, drive), noise or {}, said)
+        _as_sensor(signal, arm, _start(record, signal, drive), noise or {}, said)
         for signal in record.signals.values()
         if signal.name not in record.drive and signal.quantity in NOISE and len(signal.time) > 1
     ]
@@ -258,15 +260,22 @@ def _tracker(arm: Arm, drive: Drive) -> Sensor:
     return Sensor(name=free, quantity="position", point=name, rate_hz=DESIGN.tracker_hz, noise_std=noise)
 
 
-def _placed(sensor: Sensor, said: list[str]) -> Sensor:
+def _placed(sensor: Sensor, arm: Arm, said: list[str]) -> Sensor:
     """Return a sensor with noise, and, of a tracker that names neither clock nor frame, these."""
     changes: dict[str, Any] = {}
     if not sensor.noise_std and not sensor.step:
-        changes["noise_std"] = NOISE.get(sensor.quantity, 1.0) / sensor.si[1]
-        said.append(_noise_told("sensor", sensor.name, NOISE.get(sensor.quantity, 1.0), sensor.si[0]))
+        sigma = _usual_noise(sensor, arm)
+        changes["noise_std"] = sigma / sensor.si[1]
+        said.append(_noise_told("sensor", sensor.name, sigma, sensor.si[0]))
     if sensor.quantity in ("position", "orientation") and sensor.clock is None and sensor.frame == "base":
         changes |= {"clock": TRACKER, "frame": TRACKER}
     return sensor.replace(**changes) if changes else sensor
+
+
+def _usual_noise(what: Sensor | Signal, arm: Arm) -> float:
+    """Return 1 sigma of a sensor or signal that states none [SI]; torques at a motor's shaft have less."""
+    at_shaft = what.quantity == "motor_torque" and what.side != "output"
+    return NOISE.get(what.quantity, 1.0) / (abs(motor_ratio(arm, str(what.joint))) if at_shaft else 1.0)
 
 
 def _noise_told(kind: str, name: str, sigma: float, unit: str) -> str:
@@ -279,12 +288,12 @@ def _size(value: float, unit: str) -> str:
     return f"{factor * value:g} {shown}".rstrip()
 
 
-def _as_sensor(signal: Signal, start: float, noise: Mapping[str, float], said: list[str]) -> Sensor:
+def _as_sensor(signal: Signal, arm: Arm, start: float, noise: Mapping[str, float], said: list[str]) -> Sensor:
     """Return a sensor that would give a signal again, from `start` [s] after the drive on."""
     span = float(signal.time[-1] - signal.time[0])
     sigma = signal.noise_std or noise.get(signal.name)
     if not sigma:
-        sigma = NOISE[signal.quantity]
+        sigma = _usual_noise(signal, arm)
         said.append(_noise_told("signal", signal.name, sigma, signal.unit))
     shared = ("joint", "point", "link", "payload", "side", "position", "fibre", "clock", "frame")
     given: dict[str, Any] = {key: value for key in shared if (value := getattr(signal, key)) is not None}
