@@ -624,3 +624,33 @@ def test_a_picture_shows_what_was_measured_and_what_the_model_predicts(run):
     assert [line.get_label() for line in axes.lines] == ["x measured", "x model", "z measured", "z model"]
     np.testing.assert_array_equal(axes.lines[1].get_ydata(), gap.model["x"])
     assert axes.get_ylabel() == "tip [m]"
+
+
+def test_an_unknown_clock_is_found_although_the_model_rings():
+    """A rigid arm's rate of turn, 1.2 s late; the model without damping rings at each start and stop."""
+    rod = beam("rod", [0, 0, LENGTH], TUBE, theory="timoshenko", elements=2)
+    ringing = arm_of(
+        joints=[hinge("hinge", "rod")],
+        links=[rod],
+        payloads=[{"name": "load", "link": "rod", "position": [0, 0, LENGTH], "mass": 14.1}],
+        points=[point("tip", "rod", [0, 0, LENGTH])],
+    )
+    t = np.arange(0.0, 24.0, 0.01)
+    rate = 0.1 * (np.clip(t - 3.0, 0.0, 0.1) - np.clip(t - 12.0, 0.0, 0.1)) / 0.1
+    rate -= 0.07 * (np.clip(t - 15.0, 0.0, 0.1) - np.clip(t - 21.0, 0.0, 0.1)) / 0.1
+    angle = np.cumsum(rate) * 0.01
+    rng = np.random.default_rng(3)
+    noise, instants = 3e-4, np.arange(1.0, 23.0, 0.01)
+    turned = np.zeros((len(instants), 3))
+    turned[:, 1] = np.interp(instants, t, rate)
+    drive = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=t, values=angle, noise_std=1e-6)
+    gyro = Signal(
+        name="gyro", quantity="angular_rate", point="tip", axes=("x", "y", "z"), clock="imu",
+        time=instants + 1.2, values=turned + rng.normal(0.0, noise, turned.shape), noise_std=noise,
+    )  # fmt: skip
+    clocks = {"clock": Clock(), "imu": Clock(unknown=True)}
+    record = Record(
+        signals={"hinge": drive.replace(clock="clock"), "gyro": gyro}, drive=["hinge"], clocks=clocks
+    )
+    [delay] = compare(ringing, record).to_json_dict()["alignment"]
+    assert delay["value"] == pytest.approx(1.2, abs=0.1)

@@ -6,9 +6,11 @@ A clock: the delay at which measured and simulated speeds correlate best,
 
 over all delays for which a quarter of the samples falls into the run: every 0.05 s with as coarse samples,
 then from sample to sample about the best of these, last by the parabola through the best and its
-neighbours. Speeds do not depend on frames. A measured step counts as at most twice the greatest simulated
-one, so that outliers do not outweigh the motion. A frame: the rigid motion that brings the measured
-points closest to the simulated ones [Kabsch1976],
+neighbours. Speeds do not depend on frames. Readings that do not either, such as rates of turn, correlate
+themselves, each channel with either sign: their steps show vibration above all, which a model without
+damping has where the arm has none. A measured step counts as at most twice the greatest simulated one, and
+so does a reading from the mean, so that outliers do not outweigh the motion. A frame: the rigid motion that
+brings the measured points closest to the simulated ones [Kabsch1976],
 
     min sum |p_i - (R y_i + x)|^2,   R = V diag(1, 1, det(V U^T)) U^T,  U S V^T = svd(sum y p^T)     (2)
 
@@ -107,6 +109,8 @@ class _Speeds:
     values: Floats
     time: Floats
     predicted: Floats
+    in_frame: bool
+    """True if the readings depend on a frame: then their speeds correlate."""
 
     @classmethod
     def of(cls, simulated: SimulatedRecord, signal: Signal) -> _Speeds:
@@ -118,7 +122,7 @@ class _Speeds:
         predicted = read(simulated.simulation, signal, time) / noise
         if signal.quantity == "orientation":
             values, predicted = continuous(values), continuous(predicted)
-        return cls(stamps, values, time, predicted)
+        return cls(stamps, values, time, predicted, signal.quantity in ("position", "orientation"))
 
     @cached_property
     def steps(self) -> Floats:
@@ -132,7 +136,10 @@ class _Speeds:
         return replace(self, stamps=self.stamps[kept], values=self.values[kept]) if len(kept) > 3 else self
 
     def pairs(self, delay: float) -> tuple[Floats, Floats] | None:
-        """Return centred measured and simulated steps of (1) at one delay; None if too few lie in the run."""
+        """Return centred measured and simulated steps or readings at one delay, shape (n, channels).
+
+        None if too few lie in the run.
+        """
         overlap = 0.25  # least share of the samples that must fall into the run
         instants = self.stamps - delay
         inside = (instants >= self.time[0]) & (instants <= self.time[-1])
@@ -140,9 +147,18 @@ class _Speeds:
         if both.sum() < max(3, overlap * len(both)):
             return None
         there = np.stack([np.interp(instants, self.time, channel) for channel in self.predicted.T], axis=1)
-        other = np.linalg.norm(np.diff(there, axis=0), axis=1)[both]
-        one = np.minimum(self.steps[both], 2 * other.max())
+        if not self.in_frame:
+            one, other = (each[inside] - each[inside].mean(axis=0) for each in (self.values, there))
+            most = 2 * np.abs(other).max(axis=0)
+            return np.clip(one, -most, most), other
+        other = np.linalg.norm(np.diff(there, axis=0), axis=1)[both, None]
+        one = np.minimum(self.steps[both, None], 2 * other.max())
         return one - one.mean(), other - other.mean()
+
+    def agreement(self, pair: tuple[Floats, Floats]) -> float:
+        """Return the sum of the products of a pair; of a reading's channels without their signs."""
+        products = np.sum(pair[0] * pair[1], axis=0)
+        return float(np.sum(products if self.in_frame else np.abs(products)))
 
 
 def _delay(clock: str, moving: Sequence[tuple[SimulatedRecord, Signal]]) -> float:
@@ -177,13 +193,22 @@ def _correlations(tracks: Sequence[_Speeds], least: float, most: float, step: fl
 
 
 def _correlation(tracks: Sequence[_Speeds], delay: float) -> float:
-    """Return the correlation of (1) at one delay; -1 where too few samples fall into a run."""
-    pairs = [pair for track in tracks if (pair := track.pairs(delay)) is not None]
+    """Return the score of one delay; -1 where too few samples fall into a run.
+
+    It is the correlation r of (1). Of readings it is their likelihood, -log(1 - r^2) for each sample, of all
+    samples: r alone is large where two turns of the arm overlap and the rest does not.
+    """
+    pairs = [(track, pair) for track in tracks if (pair := track.pairs(delay)) is not None]
     if len(pairs) < len(tracks):
         return -1.0
-    one, other = (np.concatenate(each) for each in zip(*pairs, strict=True))
-    size = float(np.linalg.norm(one) * np.linalg.norm(other))
-    return float(one @ other) / size if size > 0 else -1.0
+    one, other = (sum(float(np.sum(pair[k] ** 2)) for _, pair in pairs) for k in (0, 1))
+    if not one * other > 0:
+        return -1.0
+    r = sum(track.agreement(pair) for track, pair in pairs) / float(np.sqrt(one * other))
+    if any(track.in_frame for track in tracks):
+        return r
+    share = sum(len(pair[0]) for _, pair in pairs) / sum(len(track.stamps) for track in tracks)
+    return -share * float(np.log(max(1.0 - r**2, 1e-300)))
 
 
 def _parabola_peak(scores: Floats) -> float:
