@@ -25,6 +25,7 @@ from flexarm.errors import InvalidParameter
 from flexarm.record import Record
 from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
+from flexarm.record.time_unit import mismatched_durations
 from flexarm.simulation import Progress, reported
 from flexarm.validation.channel import Channel, channels
 from flexarm.validation.clocks import remarks_on_clocks, remarks_on_late_signals, remarks_on_shared_clocks
@@ -104,7 +105,10 @@ def _checked(
         name: implausible_drives(arm, record) or refuted_drives(arm, name, record)
         for name, record in named.items()
     }
-    plausible = {name: record for name, record in named.items() if not implausible[name]}
+    untimed = [name for name, record in named.items() if mismatched_durations(record)]  # doubted below
+    plausible = {
+        name: record for name, record in named.items() if not implausible[name] and name not in untimed
+    }
     simulations, failed, empty = (
         simulate_records(arm, plausible, step, alpha, lambda done: report(done / 2))
         if plausible
@@ -125,6 +129,9 @@ def _checked(
     remarks += [f"{name} {why}: a diagnosis leaves it out" for name, why in empty.items()]
     remarks += remarks_on_skipped(simulations)
     for name in (each for each in named if each not in empty):
+        if name in untimed:
+            all_findings.append(RecordFindings(name))
+            continue
         if name in simulations:
             simulated = simulations[name]
             placement = initial_alignment(simulated)

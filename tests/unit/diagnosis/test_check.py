@@ -258,6 +258,20 @@ def test_a_jump_that_one_axis_alone_shows_is_no_clocks(nominal, faultless):
     assert not [remark for remark in found.remarks if "jumps" in remark]
 
 
+def test_a_drive_with_stamps_in_milliseconds_is_doubted_without_trials(nominal, faultless, monkeypatch):
+    """A record of 12 s would last for hours, and so would each trial of a wrong unit or sign."""
+
+    def find_drive_fault(*given):
+        raise AssertionError("no hypothesis is to be simulated")
+
+    monkeypatch.setattr("flexarm.validation.sensor_check.find_drive_fault", find_drive_fault)
+    hinge = faultless.signals["hinge"]
+    slow = hinge.replace(time=1e3 * hinge.time[::20], values=hinge.values[::20])
+    found = check(nominal, {"run": faultless.replace(signals={**faultless.signals, "hinge": slow})})
+    assert not found.judged
+    assert any('time_unit = "ms"' in doubt for doubt in found.doubts)
+
+
 def test_a_late_clock_does_not_jump(nominal, faultless):
     """Stamps that are 50 ms late all the time are told as that, and left to the alignment."""
     found = check(nominal, [shifted(faultless, lambda t: t + 0.05)])
