@@ -545,3 +545,11 @@ def test_a_column_named_after_another_unit_is_told(tmp_path, before, after, said
     rows = ROWS.replace("angle", "q_deg") if "q_deg" in after else ROWS.replace("time", "t_ms")
     notes = imported(tmp_path, HINGE.replace(before, after), log_csv=rows).notes
     assert [str(note) for note in notes] == ([] if said is None else [said])
+
+
+def test_a_pressure_is_told_how_it_becomes_a_force(tmp_path):
+    force = (
+        HINGE.replace('"joint_angle"', '"motor_torque"').replace('drive = "hinge"\n', "") + 'unit = "bar"\n'
+    )
+    told = "\n".join(problems(tmp_path, force, log_csv=ROWS))
+    assert "unit 'bar' is of a pressure; `sum` with areas as `scale` gives the force of a cylinder" in told

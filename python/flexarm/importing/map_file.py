@@ -168,6 +168,11 @@ class SignalMap(Measurement):
                 what = 'a torque constant makes a current a torque; needed is quantity = "motor_torque"'
                 raise InvalidParameter(f"{what}, got {self.quantity!r}")
             return "N m", unit.torque_constant
+        if unit is not None and factor_to("Pa", unit) is not None:
+            what = (
+                f"unit {unit!r} is of a pressure; `sum` with areas as `scale` gives the force of a cylinder"
+            )
+            raise InvalidParameter(f"{what}, in N (docs/importing.md)")
         return si_factor(self.spec.units[0] if unit is None else unit, self.spec.units)
 
     @property
