@@ -489,6 +489,7 @@ def test_a_plot_leaves_out_what_does_not_answer() -> None:
         ({"inputs": {"wrist": "torque"}}, "no moving joint 'wrist'; there are shoulder, elbow"),
         ({"inputs": {"nose": "force"}}, "no point 'nose'; there are middle, tip"),
         ({"inputs": {"elbow": "push"}}, "must be one of angle, acceleration, torque, free, locked, got"),
+        ({"inputs": {"tip": "torque"}}, r"inputs\.tip: must be one of force, got 'torque'"),
         ({"inputs": [("elbow", "angle"), ("elbow", "torque")]}, r"inputs\.elbow: is given twice"),
         ({"inputs": [("tip", "force"), ("tip", "force")]}, r"inputs\.tip: is given twice"),
         ({"outputs": ["nose"]}, "no sensor, point or moving joint 'nose'"),

@@ -58,12 +58,13 @@ def ports(arm: Arm, asked: Asked | None, held: Iterable[str] = ()) -> tuple[list
     found: list[Port] = []
     told: set[str] = set()
     for name, kind in pairs:
-        if kind not in KINDS:
-            allowed = KINDS[:-1] if name in moving else KINDS[-1:]
+        points = [point.name for point in arm.points]
+        allowed = KINDS[:-1] * (name in moving) + KINDS[-1:] * (name in points) or KINDS
+        if kind not in allowed:
             raise InvalidParameter(
                 f"must be one of {', '.join(allowed)}, got {kind!r}", where=f"inputs.{name}"
             )
-        places = [point.name for point in arm.points] if kind == "force" else list(moving)
+        places = points if kind == "force" else list(moving)
         if name not in places:
             what = "point" if kind == "force" else "moving joint"
             raise InvalidParameter(
