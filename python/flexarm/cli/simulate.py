@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,6 +22,7 @@ from flexarm.cli.options import (
     refuse_step,
     warn,
 )
+from flexarm.cli.progress import progress
 from flexarm.cli.records import load_record
 from flexarm.errors import InvalidFile
 
@@ -134,8 +136,6 @@ def _motion(drive: Path, arm: Arm, record: Record | None, idle: bool) -> Motion:
 
 def _begun(motion: Motion, rests: dict[str, float], rates: dict[str, float], moving: bool) -> Motion:
     """Return a motion in which other joints stand somewhere, or are let go with rates."""
-    from dataclasses import replace
-
     for option, values in (("--joint", rests), ("--rate", rates)):
         for name in motion.joints.keys() & values.keys():
             what = f"the drive moves {name!r} from its first row on; allowed are joints without a column"
@@ -165,7 +165,6 @@ def _run(
     arm: Arm, motion: Motion, record: Record | None, step: float, alpha: float, forces: bool
 ) -> Simulation:
     """Return the transient, with what the sensors need."""
-    from flexarm.cli.progress import progress
     from flexarm.simulation import simulate as solve
 
     seen = {entry.quantity for entry in (arm.sensors if record is None else record.signals.values())}

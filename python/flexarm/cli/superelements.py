@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexarm.cli.options import blame, warn
 from flexarm.errors import InvalidFile
+from flexarm.tables.table import check_name
 
 if TYPE_CHECKING:
     from flexarm.solids import SolidMesh
@@ -80,8 +81,6 @@ def read_interfaces(interface: list[str] | None, form: str) -> dict[str, str]:
 
     Raise InvalidFile if one is not of the form, has a bad name, or a name stands twice.
     """
-    from flexarm.tables.table import check_name
-
     pairs: dict[str, str] = {}
     for text in interface or ():
         name, equals, what = (part.strip() for part in text.partition("="))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -189,7 +190,5 @@ def _urdf(model: Path) -> Path | None:
     """Return the URDF file of a model, or None."""
     if model.suffix == ".urdf":
         return model
-    import tomllib
-
     named = tomllib.loads(model.read_text(encoding="utf-8")).get("urdf")
     return None if named is None else model.parent / str(named)

@@ -22,6 +22,7 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.errors import Problem
+from flexarm.record.quantisation_grid import quantisation_step
 
 if TYPE_CHECKING:
     from flexarm.record.record import Record
@@ -74,8 +75,6 @@ def _noise(signal: Signal, stated: float) -> Iterable[str]:
 
 def _step(signal: Signal) -> float:
     """Step of which all readings of a channel are multiples, 0 if there is none."""
-    from flexarm.record.quantisation_grid import quantisation_step
-
     if signal.quantity in ("joint_angle", "joint_command", "force", "payload_mass"):
         return 0.0  # encoders count, and who loads an arm does so in equal steps
     return max(quantisation_step(column) for column in signal.values.T)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexarm import _core
 from flexarm.arguments import TEXT, takes
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidParameter
@@ -69,8 +70,6 @@ class InterfaceSet:
         InvalidParameter
             If the kind is unknown, or the set does not exist or is empty.
         """
-        from flexarm import _core
-
         core: Any = _core
         if self.kind not in KINDS:
             what = f"must be one of {', '.join(KINDS)}, got {self.kind!r}"

@@ -16,7 +16,7 @@ from flexarm.arguments import COUNT, FLAG, MESH, NAMED, NUMBER, POSITIVE, TEXT, 
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.reduction.interface_set import InterfaceSet, refuse_shared
-from flexarm.solids import SolidMesh
+from flexarm.solids import SolidMesh, read_mesh
 from flexarm.solids.checks import refuse_implausible
 from flexarm.superelement import SuperElement
 
@@ -149,8 +149,6 @@ def reduce_mesh(
 def _checked(mesh: SolidMesh | str | Path, unit: str) -> tuple[SolidMesh, dict[str, str]]:
     """Return the mesh, checked, and its provenance."""
     if isinstance(mesh, str | Path):
-        from flexarm.solids import read_mesh
-
         solid = read_mesh(mesh, unit=unit).check()
         digest = hashlib.sha256(Path(mesh).read_bytes()).hexdigest()
         return solid, {"mesh_file": Path(mesh).name, "mesh_unit": unit, "mesh_sha256": digest}

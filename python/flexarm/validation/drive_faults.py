@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from flexarm.arm import Arm
+from flexarm.arm.effect import read_effect
 from flexarm.budget import allows
 from flexarm.effects import UnitError
 from flexarm.errors import InvalidParameter
@@ -256,8 +257,6 @@ def apply_known_fault(
     alpha: float,
 ) -> DriveFault | None:
     """Return a drive's fault known from another record if it explains this one as well, else None."""
-    from flexarm.arm.effect import read_effect
-
     if not set(fault.values) <= set(record.drive):
         return None
     effects: list[Any] = [

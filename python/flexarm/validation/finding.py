@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from flexarm.arm.effect import Effect
+from flexarm.arm.effect import Effect, read_effect
 from flexarm.measurement.outliers import row_list
 from flexarm.named_effects import Alternative, Estimate, NamedEffect, place_text
 from flexarm.pictures import Summarised
@@ -123,8 +123,6 @@ class Fault(NamedEffect):
 
     def effect(self) -> Effect:
         """Return the effect by which a model reproduces the fault."""
-        from flexarm.arm.effect import read_effect
-
         table: dict[str, Any] = {"name": self.name, "at": self.at}
         if self.channels:
             table["channels"] = list(self.channels)
