@@ -91,7 +91,7 @@ LIMIT = math.degrees(range_of("rad")[1])
 COLUMNS = {
     "value": (ROWS.format("1e300", "0.02"), f"line 3, column encoder_deg: must lie within +-{LIMIT:g}, got 1e+300"),
     "stamp": (ROWS.format("1", "1e30"), "line 4, column time_s: must lie within +-1e+11, got 1e+30"),
-    "no step": (ROWS.format("1", "0.01000000000000001"), "line 4, column time_s: 0.01 all but repeats 0.01"),
+    "no step": (ROWS.format("1", "0.01000000000000001"), "line 4, column time_s: 0.01000000000000001 all but repeats 0.01"),
 }  # fmt: skip
 
 

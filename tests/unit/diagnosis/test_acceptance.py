@@ -15,7 +15,7 @@ from flexarm.effects import TimeDelay
 
 OBSERVED = SimpleNamespace(policy=SelectionPolicy())
 """As much of a problem as is asked for."""
-NO_JOINTS = SimpleNamespace(arm=SimpleNamespace(joints=(), closures=(), sensors=()))
+NO_JOINTS = SimpleNamespace(arm=SimpleNamespace(joints=(), closures=(), sensors=(), encoders={}))
 
 
 @pytest.mark.parametrize(

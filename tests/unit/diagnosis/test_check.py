@@ -134,6 +134,15 @@ def test_a_noisy_range_end_piles_readings_up_and_a_turning_point_does_not():
     assert _cut(turning, motion, noise, noise) is None
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_a_smooth_maximum_below_that_of_the_model_is_no_range_end(seed):
+    """A model without damping rings beyond it."""
+    rng, time, noise = np.random.default_rng(seed), np.arange(0, 40, 0.05), 2e-3
+    motion = np.exp(-(((time - 20) / 8) ** 2))
+    model = motion + 0.2 * np.exp(-((time - 20) ** 2))
+    assert _cut(motion + noise * rng.standard_normal(len(time)), model, noise, noise) is None
+
+
 def test_an_arm_that_friction_holds_at_its_least_is_no_range_end():
     """It rests 20 sigma short of where the model goes, 2 % of the motion."""
     rng, time = np.random.default_rng(5), np.arange(0, 40, 0.05)
