@@ -9,8 +9,8 @@ A saturated channel shows p cut off at a level:
     its plateaus lie at the greatest (or least) reading, and p is beyond it there                      (2)
 
 With noise the readings at the level must also outnumber those just below it four times, and p must go on by
-a good part of its motion and by more than models miss. An arm that friction holds at the end of a move looks alike, but
-the model leaves it by little.
+a good part of its motion and by more than models miss. An arm that friction holds at the end of a move looks
+alike, but the model leaves it by little.
 
 A frozen channel repeats a value. p counts in (1) only while a drive moves, as a model without damping may
 ring on at rest. Counts of a coarse grid repeat while the arm moves slowly, so that p must move by

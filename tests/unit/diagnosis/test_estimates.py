@@ -65,7 +65,9 @@ def fitted(noise, slope, kind=PayloadMass):
     residual = noise + column @ z
     projection = Projection(np.zeros((N, 0)), np.zeros(0))
     nuisance = SimpleNamespace(
-        parameters=(), keys=[], arm=SimpleNamespace(joints=(), closures=(), sensors=(), encoders={}, effects=())
+        parameters=(),
+        keys=[],
+        arm=SimpleNamespace(joints=(), closures=(), sensors=(), encoders={}, effects=()),
     )
     return Fit(
         (member,),
@@ -155,7 +157,9 @@ def bursts(noise):
     found = np.linalg.lstsq(every, -noise, rcond=None)[0]
     fit = fitted(np.zeros(N), ringing)
     nuisance = SimpleNamespace(
-        parameters=(), keys=[], arm=SimpleNamespace(joints=(), closures=(), sensors=(), encoders={}, effects=())
+        parameters=(),
+        keys=[],
+        arm=SimpleNamespace(joints=(), closures=(), sensors=(), encoders={}, effects=()),
     )
     projection = Projection(others, np.full(others.shape[1], 1e6))
     residual = noise + ringing * found[0]
