@@ -56,6 +56,20 @@ def test_bones_of_an_equilibrium_lie_at_its_points_and_displacements_scale():
         assert np.allclose(x, rigid_place + scale * found.displacement[0], atol=1e-9)
 
 
+def test_bones_on_a_link_of_another_length_lie_where_its_points_are():
+    """Points keep their fraction of a link that is 2 cm longer, and a reflector its offset from there."""
+    longer = {"name": "link_length", "at": "lower", "error": 0.02}
+    shifted = {"name": "reflector_offset", "at": "tip", "offset": [0.0, 0.01, 0.02]}
+    effects = [{"name": "joint_compliance", "at": "elbow", "stiffness": 2e4}, longer, shifted]
+    found = flexarm.static(an_arm(effects=effects), POSE)
+    skeleton, poses = Skeleton(found.arm), of_statics(found, 1.0).clips[0].poses
+    assert poses.x[0, skeleton.points["tip"]] == pytest.approx(found.position[0], abs=1e-4)
+    end = poses.x[0, skeleton.along["lower"][-1]] + poses.R[0, skeleton.along["lower"][-1]] @ [0, 0.01, 0.02]
+    assert end == pytest.approx(found.position[0], abs=1e-4)
+    load = poses.x[0, skeleton.loads["load"]] - poses.x[0, skeleton.along["lower"][-1]]
+    assert np.linalg.norm(load) == pytest.approx(0.05, abs=1e-9)
+
+
 def test_a_run_that_begins_in_motion_is_drawn_so():
     """Made again from rest, the tip would be centimetres off."""
     time = np.linspace(0, 0.6, 61)

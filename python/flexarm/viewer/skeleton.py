@@ -78,7 +78,8 @@ class Skeleton:
             places = _places(link)
             self.along[link.name] = list(range(len(found), len(found) + len(places)))
             found += places
-        machine = machine_of(arm)
+        own = [effect for effect in arm.effects if effect.place in ("payload", "point")]
+        machine = machine_of(arm.replace(effects=own))  # those of links move the bones, as they do points
         self.loads = {name: len(found) + i for i, name in enumerate(machine.payloads)}
         found += [Bone(load.link, added(load.position, load.offset)) for load in machine.payloads.values()]
         self.points = {name: len(found) + i for i, name in enumerate(machine.points)}
