@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -33,6 +33,12 @@ class States:
     """Instants [s] or numbers of poses, shape (m,)."""
     values: dict[str, Floats]
     """Each state that changes, shape (m,); poses have no rate, joints that no drive turns only a torque."""
+
+    @classmethod
+    def over(cls, times: Sequence[Floats], values: dict[str, Floats]) -> States:
+        """Return the states at the instants of several records, one after the other."""
+        numbers = np.repeat(np.arange(len(times)), [len(time) for time in times])
+        return cls(numbers, np.concatenate(times), values)
 
     @property
     def rising(self) -> np.ndarray:
@@ -77,10 +83,8 @@ def other_angles(latent: Latent, policy: LawPolicy) -> States:
         for name, time in zip(response.bases, times, strict=True)
     ]
     joined = {key: np.concatenate([found[key] for found in each]) for key in each[0]}
-    return States(
-        np.repeat(np.arange(len(times)), [len(time) for time in times]),
-        np.concatenate(times),
-        {key: v for key, v in joined.items() if np.ptp(v) > policy.least_range * np.abs(v).max()},
+    return States.over(
+        times, {key: v for key, v in joined.items() if np.ptp(v) > policy.least_range * np.abs(v).max()}
     )
 
 
@@ -109,8 +113,6 @@ def joint_states(latent: Latent, policy: LawPolicy) -> States:
     least = {key: policy.least_range * value for key, value in greatest.items()}
     if np.ptp(np.concatenate(drive)) <= least["angle"]:  # the link's angle is the windup itself
         joined = {key: each for key, each in joined.items() if key == "torque"}
-    return States(
-        np.repeat(np.arange(count), [len(time) for time in times]),
-        np.concatenate(times),
-        {key: each for key, each in joined.items() if np.ptp(each) > least.get(key, 0.0)},
+    return States.over(
+        times, {key: each for key, each in joined.items() if np.ptp(each) > least.get(key, 0.0)}
     )
