@@ -24,6 +24,11 @@ class EncoderScale(SignalEffect):
     of_drives = True
     scale: Number = value_in("-", "scale of the encoder", 1.0, gt=0)
 
+    @classmethod
+    def forms_families(cls) -> bool:
+        """Return False: a wrong count or divisor is a mistake at one joint."""
+        return False
+
     def reading(self, reading: Floats, true: Floats, channels: Channels) -> Floats:
         """Eq. (1)."""
         return self.scale * reading

@@ -34,6 +34,11 @@ class GearRatio(Effect):
         """Scales what the teeth make of the motor's angle, eq. (1)."""
         machine.drive_trains[self.at].teeth().scale = self.scale  # eq. (1)
 
+    @classmethod
+    def forms_families(cls) -> bool:
+        """Return False: a ratio that is another one is a mistake at one joint."""
+        return False
+
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Off by parts per thousand where it is off at all."""
         source = "engineering judgement: creep of belts and friction drives, rounded ratios in data sheets"

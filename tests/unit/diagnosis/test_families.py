@@ -11,6 +11,7 @@ from tests.helpers.soft_arms import JOINTS, poses_of, soft_arm
 
 import flexarm
 from flexarm import Arm
+from flexarm.arm.effect import effect_class
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate
@@ -242,3 +243,12 @@ def test_places_leave_each_of_two_families():
     fewer, _ = without_idle_places(Criteria(problem, null), fit, estimator)
     assert {member.name for member in fewer.members} == {"joint_compliance", "joint_tilt_compliance"}
     assert len(fewer.spots) == sum(len(member.spots) for member in fewer.members) < 10
+
+
+@pytest.mark.parametrize(
+    ("effect", "forms"),
+    [("joint_compliance", True), ("encoder_offset", True), ("encoder_scale", False), ("gear_ratio", False)],
+)
+def test_mistaken_counts_and_ratios_form_no_family(effect, forms):
+    """Seven scales at once took the place of the one column that bends."""
+    assert effect_class(effect).forms_families() is forms
