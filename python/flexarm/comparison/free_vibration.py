@@ -38,7 +38,7 @@ Indices = NDArray[np.intp]
 
 
 MODES = 6
-"""Most modes that ring, of those that the fastest signal can show."""
+"""Most modes that ring, of those that the fastest signal can show, and most that are told."""
 
 
 def rings_freely(record: Record) -> bool:

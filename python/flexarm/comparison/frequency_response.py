@@ -28,6 +28,7 @@ from flexarm.arrays import Floats
 from flexarm.comparison.alignment_parameters import SEEN_IN_FRAMES, stated_placement
 from flexarm.comparison.bands import Band
 from flexarm.comparison.files import SavedGap
+from flexarm.comparison.free_vibration import MODES
 from flexarm.errors import InvalidParameter
 from flexarm.linear.linearise import linearise
 from flexarm.measurement.effects_of import effects_of
@@ -228,10 +229,6 @@ def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
     silent = [name for name, gap in gaps.items() if gap.noise_rms is None]
     notes += [f"no noise is stated for {', '.join(silent)}"] if silent else []
     return ResponseComparison(arm.name, record.description, gaps, tuple(found), tuple(notes))
-
-
-MODES = 6
-"""Most modes that are told."""
 
 
 def _require_known(record: Record, signal: Signal) -> None:

@@ -11,14 +11,12 @@ import numpy as np
 
 from flexarm.arrays import Floats
 from flexarm.diagnosis.problem import Problem
+from flexarm.measurement.least_squares_spline import DEGREE
 from flexarm.missing_law.gaussian import matern_root
 from flexarm.missing_law.policy import LawPolicy
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
-
-DEGREE = 3
-"""Degree of the B-splines."""
 
 
 @dataclass(frozen=True, eq=False)
