@@ -584,3 +584,40 @@ def test_strokes_pressures_and_an_imu_of_a_crane_are_proposed(tmp_path):
         "tip_angular_rate": ("angular_rate", ["gx_dps", "gy_dps", "gz_dps"], "deg/s"),
     }
     assert '"pA_bar": a pressure; see `sum`' in text
+
+
+def test_ways_of_slides_named_as_axes_are_told_from_a_trackers_point(logs):
+    """A gantry's joints are X, Y and Z, as are the columns of the tracker beside it."""
+    names = ("base", "X", "Y", "Z")
+    model = 'format = "flexarm-arm/1"\n'
+    for parent, name, axis in zip(names, names[1:], np.eye(3, dtype=int).tolist(), strict=False):
+        model += f'[[joints]]\nname = "{name}"\ntype = "prismatic"\naxis = {axis}\n'
+        model += f'parent = "{parent}"\nchild = "{name}"\n'
+        model += (
+            f'[[links]]\nname = "{name}"\ntype = "rigid"\nmass = 1\ncom = [0, 0, 0]\ninertia = [1, 1, 1]\n'
+        )
+    (logs / "gantry.toml").write_text(
+        model + '[[points]]\nname = "head"\nlink = "Z"\nposition = [0, 0, -0.1]\n'
+    )
+    t = np.arange(0, 4, 0.01)
+    ways = np.column_stack([np.sin(t) ** 2, np.sin(1.7 * t) ** 2, 0.3 * np.sin(2.3 * t) ** 2])
+    for file, values in (("tracker.csv", ways + 1.0), ("plc.csv", ways)):
+        head, sheet = "time_s,X_mm,Y_mm,Z_mm", np.column_stack([t, 1e3 * values])
+        np.savetxt(logs / file, sheet, "%.4f", ",", header=head, comments="")
+    data, _ = guessed(logs, "plc.csv", "tracker.csv", model="gantry.toml")
+    told = {s["name"]: (s["source"], s["quantity"], s["columns"]) for s in data["signals"]}
+    expected = {name: ("plc.csv", "joint_angle", [f"{name}_mm"]) for name in names[1:]}
+    assert told == expected | {"head": ("tracker.csv", "position", ["X_mm", "Y_mm", "Z_mm"])}
+    assert data["drive"] == ["X", "Y", "Z"]
+
+
+@pytest.mark.parametrize("name", ["z", "Z"])
+def test_a_slide_named_z_among_angles_is_no_coordinate(logs, name):
+    slides = MODEL.replace('name = "lift"\ntype = "revolute"', f'name = "{name}"\ntype = "prismatic"')
+    (logs / "slide.toml").write_text(slides.replace("gear_ratio = 80\n", ""))
+    t = np.arange(0, 8, 0.004)
+    write_robot(logs, {"pan_deg": np.degrees(angles(t)["pan"]), "Z_mm": 400 * np.sin(1.4 * t) ** 2}, t)
+    data, _ = guessed(logs, "robot.csv", "tracker.csv", model="slide.toml")
+    told = {s["name"]: (s["source"], s["quantity"]) for s in data["signals"]}
+    robot = ("robot.csv", "joint_angle")
+    assert told == {"pan": robot, name: robot, "tip": ("tracker.csv", "position")}

@@ -61,15 +61,40 @@ def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
 def named_after_joints(columns: Sequence[Logged], arm: Arm) -> list[Logged]:
     """Return the columns, as angles those that have the bare name of a joint."""
     joints = {" ".join(words_of(joint.name)) for joint in arm.moving_joints}
+    ways = [id(column) for column in _ways_named_as_axes(columns, arm)]
     return [
         replace(
-            column, meaning=counted(replace(m, quantity="joint_angle", why="a joint's name"), column.values)
+            column,
+            meaning=counted(replace(m, quantity="joint_angle", axis="", why="a joint's name"), column.values),
         )
-        if not (m.quantity or m.unit or m.axis) and m.stem in joints
+        if id(column) in ways or (not (m.quantity or m.unit or m.axis) and m.stem in joints)
         else column
         for column in columns
         for m in [column.meaning]
     ]
+
+
+def _ways_named_as_axes(columns: Sequence[Logged], arm: Arm) -> list[Logged]:
+    """Return coordinates that have the bare name of a joint that slides.
+
+    Three together are a point's, unless others are too: then those beside angles of joints, else the first.
+    """
+    slides = {"".join(words_of(joint.name)) for joint in arm.moving_joints if joint.type == "prismatic"}
+    groups: dict[tuple[Any, str], list[Logged]] = {}
+    for column in columns:
+        if column.meaning.quantity == "position":
+            groups.setdefault((column.kind, column.meaning.stem), []).append(column)
+    angles = [column.kind for column in columns if column.meaning.quantity == "joint_angle"]
+    named = {
+        kind: [c for c in group if c.meaning.stem.replace(" ", "") + c.meaning.axis in slides]
+        for (kind, _), group in groups.items()
+    }
+    whole = [kind for (kind, _), group in groups.items() if len(group) == len("xyz")]
+    first = next(
+        (k for k in sorted(whole, key=lambda k: k not in angles) if len(named[k]) == len("xyz")), None
+    )
+    found = [column for kind, group in named.items() if kind not in whole for column in group]
+    return found + (named[first] if first is not None and len(whole) > 1 else [])
 
 
 def _is_way(column: Logged, arm: Arm) -> bool:

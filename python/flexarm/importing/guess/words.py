@@ -186,11 +186,13 @@ def is_stamp(name: str) -> bool:
 
 
 def matched(name: str, known: Sequence[str]) -> str:
-    """Return the longest of known names that stands in a name; empty if none does.
+    """Return the longest of known names that stands in a name, a letter as a word of it; empty if none does.
 
     >>> matched("position[left_shoulder]", ["shoulder", "left_shoulder"])
     'left_shoulder'
     """
-    plain = "".join(words_of(name))
-    found = [each for each in known if (text := "".join(words_of(each))) and text in plain and len(text) > 1]
+    words = words_of(name)
+    plain = "".join(words)
+    texts = {each: "".join(words_of(each)) for each in known}
+    found = [each for each, text in texts.items() if text and text in (plain if len(text) > 1 else words)]
     return max(found, key=len, default="")
