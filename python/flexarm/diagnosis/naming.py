@@ -2,10 +2,10 @@
 
 A probability is that of the evidence among alternatives within reach and no effect at all (eq. (1) of
 `diagnosis.alternatives`), with three limits that evidence does not know. Some mechanism may be in no
-vocabulary. An effect whose parameter differs between records, or that coarse steps of an encoder may imitate,
-is at most as likely as not. Where a gap stays that no effect explains, an effect may imitate a part of its
-cause: its probability is at most the part of the gap, where it acts, that it explains. A gap elsewhere does
-not make it less likely.
+vocabulary. An effect whose parameter differs between records or rests where fits end, or that coarse steps of
+an encoder may imitate, is at most as likely as not. Where a gap stays that no effect explains, an effect may
+imitate a part of its cause: its probability is at most the part of the gap, where it acts, that it explains.
+A gap elsewhere does not make it less likely.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from flexarm.diagnosis.nuisance import known_loads
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.residual_rows import greatest_by_signal
 from flexarm.diagnosis.selection import Choice
-from flexarm.diagnosis.uncertainty import Estimates
+from flexarm.diagnosis.uncertainty import Estimates, sizes_at_bounds
 from flexarm.named_effects import Alternative, NamedEffect, Place, Rejected
 from flexarm.record import Signal
 from flexarm.wording import SPELT_OUT, listed, number, place_words, with_unit
@@ -168,6 +168,7 @@ def named_effects(
     `coarse` is True if an encoder counts in steps that matter.
     """
     policy = problem.policy
+    at_bounds = [parameter.candidate for _, parameter, _ in sizes_at_bounds(choice.best)]
     found = []
     for k, (member, models) in enumerate(zip(choice.best.members, choice.alternatives, strict=True)):
         near = [model for model in models if model.within_reach]
@@ -178,7 +179,7 @@ def named_effects(
             for drift in drifts
             if (drift["effect"], drift["at"], drift["parameter"]) == first_parameter and not drift["constant"]
         ]
-        first = min(odds[0], 0.5) if moving or coarse else odds[0]
+        first = min(odds[0], 0.5) if moving or coarse or k in at_bounds else odds[0]
         if open_gap:
             first = min(first, choice.shares[k])
         alternatives = tuple(

@@ -240,20 +240,24 @@ def has_implausible_size(fit: Fit) -> bool:
     return any(each.prior.scale == "log" and abs(z) > FAR for _, each, z in sizes(fit))
 
 
+def sizes_at_bounds(fit: Fit) -> list[tuple[int, TransformedParameter, float]]:
+    """Return those `sizes` that are where fits end."""
+    return [each for each in sizes(fit) if abs(each[2]) > NEAR * each[1].bound]
+
+
 def estimates_at_bounds(fit: Fit) -> list[str]:
     """Words on each effect of which the size is where fits end."""
     found = []
-    for k, parameter, z in sizes(fit):
-        if abs(z) > NEAR * parameter.bound:
-            effect, at, name = fit.key(k)
-            prior = parameter.prior
-            value, low, high = (
-                with_unit(each, prior.unit) for each in (parameter.value(z), prior.low, prior.high)
-            )
-            found.append(
-                f"{name} of {place_words(effect, at)} rests where fits end, at {value} (95 % of machines "
-                f"have {low} to {high})"
-            )
+    for k, parameter, z in sizes_at_bounds(fit):
+        effect, at, name = fit.key(k)
+        prior = parameter.prior
+        value, low, high = (
+            with_unit(each, prior.unit) for each in (parameter.value(z), prior.low, prior.high)
+        )
+        found.append(
+            f"{name} of {place_words(effect, at)} rests where fits end, at {value} (95 % of machines "
+            f"have {low} to {high})"
+        )
     return found
 
 

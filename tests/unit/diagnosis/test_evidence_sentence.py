@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from flexarm.arm.prior import Prior
 from flexarm.diagnosis import naming
 from flexarm.diagnosis import naming as evidence_sentence
+from flexarm.diagnosis.candidate import TransformedParameter
 from flexarm.diagnosis.fit import Projection
 from flexarm.diagnosis.naming import _behind, _conflict_clause
 from flexarm.diagnosis.nuisance import NuisanceParameter
@@ -57,9 +59,9 @@ def named(monkeypatch):
     return _named
 
 
-def _named(left, coarse=False, needed=50.0, share=None):
+def _named(left, coarse=False, needed=50.0, share=None, part_of_bound=None):
     fit = null_of(left[0], left[1])
-    effect = SimpleNamespace(parameters=tuple, shape=())
+    effect = SimpleNamespace(parameters=tuple, shape=(), may_vanish=False)
     member = SimpleNamespace(
         name="link_bow",
         at="rod",
@@ -68,8 +70,12 @@ def _named(left, coarse=False, needed=50.0, share=None):
         free=("tip_offset.x",),
         held=list,
         effect=effect,
+        is_size=lambda name: True,
     )
     fit.members, fit.parameters, fit.z, fit.projected = (member,), (), (), fit.residual
+    if part_of_bound is not None:
+        offset = TransformedParameter(0, "tip_offset.x", Prior(-1e-3, 1e-3, 0.0, "linear", "m", "a test"))
+        fit.parameters, fit.z = (offset,), (part_of_bound * offset.bound,)
     choice = SimpleNamespace(
         best=fit, null=null_of(0.0, 0.0), alternatives=[[]], gain=50.0, needed=[needed], shares=[share]
     )
@@ -101,6 +107,12 @@ def test_a_name_beside_a_coarse_encoder_is_doubted_and_the_reader_is_told_why(na
     found = named((0.0, 0.0), coarse=True)
     assert found.probability == 0.5
     assert found.evidence.endswith("so that it is at most as likely as not.")
+
+
+@pytest.mark.parametrize(("part", "first"), [(1.0, 0.5), (0.3, SelectionPolicy.most_certain)])
+def test_a_size_that_rests_where_fits_end_is_at_most_as_likely_as_not(named, part, first):
+    """A forearm that hardens was told as one thirty times as stiff, at 0.98."""
+    assert named((0.0, 0.0), part_of_bound=part).probability == first
 
 
 def test_a_name_is_as_sure_as_the_model_with_it_is_ahead_of_the_one_without(named):
