@@ -206,7 +206,7 @@ class NoiseFloor(Summarised):
                 )
             for name, below in each.below.items():
                 if isinf(each.errors[name]):
-                    found.append(f"{at}: cannot be simulated with another {name}")
+                    found.append(f"{at}: no convergence with another {name}, whose error is unknown")
                 elif name == "step":
                     said = step_note(each.errors[name], each.total or 0.0, self.step)
                     found += [f"{at}: {said}"] if said else []
