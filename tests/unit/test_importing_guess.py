@@ -621,3 +621,59 @@ def test_a_slide_named_z_among_angles_is_no_coordinate(logs, name):
     told = {s["name"]: (s["source"], s["quantity"]) for s in data["signals"]}
     robot = ("robot.csv", "joint_angle")
     assert told == {"pan": robot, name: robot, "tip": ("tracker.csv", "position")}
+
+
+@pytest.fixture
+def tables(logs):
+    """Forty poses of the robot, numbered, and a tracker's readings of them in a frame of its own."""
+    rng = np.random.default_rng(7)
+    at = {"pan": rng.uniform(-1.0, 1.0, 40), "lift": rng.uniform(-0.5, 0.5, 40)}
+    arm = Arm.from_toml(logs / "arm.toml")
+    turn = Rotation.from_euler("xyz", [0.1, -0.2, 2.0]).as_matrix()
+    tip = link_pose(arm, "boom", at).of_point(np.array([2.0, 0, 0]))
+    seen = 1000 * (tip - [3, 1, 0]) @ turn
+    angles = np.degrees(np.column_stack([at["pan"], -at["lift"]]))
+    return np.arange(1, 41)[:, None], angles, seen
+
+
+def write_table(path, head, *columns):
+    np.savetxt(path, np.hstack(columns), "%.6f", ",", header=head, comments="")
+
+
+@pytest.mark.parametrize("number", ["Pose", "", "t_s"])
+def test_rows_in_no_order_are_poses_of_one_file(logs, tables, number):
+    """Numbered or not, or stamped every half a minute; a sign is found from them as from a motion."""
+    rows, angles, seen = tables
+    first = {"Pose": [rows], "": [], "t_s": [31.0 * rows]}[number]
+    write_table(
+        logs / "poses.csv",
+        (number + "," if number else "") + "pan [deg],lift [deg],X [mm],Y [mm],Z [mm]",
+        *first,
+        angles,
+        seen,
+    )
+    data, text = guessed(logs, "poses.csv")
+    signals = {each["name"]: each for each in data["signals"]}
+    assert data["kind"] == "static" and data["drive"] == ["pan", "lift"] and "clocks" not in data
+    assert {each.get("pose") for each in data["signals"]} == {number if number == "Pose" else None}
+    assert signals["lift"]["scale"] == -1.0 and "scale" not in signals["pan"]
+    assert "distances of its poses correlate with the model's by 1.00" in text
+    assert run(["import", str(logs / "map.toml"), "--out", str(logs / "measured")]) == 0
+    record = flexarm.Record.load(logs / "measured")
+    assert record.kind == "static" and len(record.poses) == 40
+
+
+def test_poses_and_what_a_tracker_saw_of_them_lie_in_two_files(logs, tables):
+    rows, angles, seen = tables
+    write_table(logs / "poses.csv", "nr,pan [deg],lift [deg]", rows, angles)
+    write_table(logs / "points.csv", "point,X [mm],Y [mm],Z [mm]", rows, seen)
+    data, _ = guessed(logs, "poses.csv", "points.csv")
+    assert data["kind"] == "static"
+    assert {s["name"]: s["pose"] for s in data["signals"]} == {"pan": "nr", "lift": "nr", "tip": "point"}
+
+
+def test_rows_of_a_motion_that_numbers_count_are_no_poses(logs, tables):
+    t = np.arange(0, 8, 0.02)
+    motion = np.degrees(np.column_stack(list(angles(t).values())))
+    write_table(logs / "motion.csv", "nr,pan [deg],lift [deg]", np.arange(len(t))[:, None], motion)
+    assert "kind" not in guessed(logs, "motion.csv")[0]

@@ -40,6 +40,10 @@ class Stamped:
     """The reason; what is not known."""
     form: str | None = None
     """Of stamps that are texts: how they read."""
+    poses: bool = False
+    """True if rows are poses, which `seconds` count."""
+    pose: str | int | None = None
+    """Column that numbers them."""
 
     @property
     def of_calendar(self) -> bool:

@@ -29,9 +29,11 @@ class Track:
 
     time: Floats
     values: Floats
+    poses: bool = False
+    """True if rows are poses, which the stamps count."""
 
     @classmethod
-    def of(cls, time: Floats, columns: Sequence[Floats]) -> Track:
+    def of(cls, time: Floats, columns: Sequence[Floats], poses: bool = False) -> Track:
         """Return the rows that hold values and whose stamps rise."""
         values = np.stack(columns, axis=1)
         keep = np.isfinite(values).all(axis=1) & np.isfinite(time)
@@ -40,7 +42,7 @@ class Track:
             latest = np.maximum.accumulate(time)
             rising = np.concatenate([[True], latest[1:] > latest[:-1]])
             time, values = time[rising], values[rising]
-        return cls(time, values)
+        return cls(time, values, poses)
 
     def at(self, time: Floats) -> Floats:
         """Return values at instants, between the stamps by straight lines."""
@@ -68,21 +70,28 @@ class Agreement:
 def rigid_track(
     arm: Arm, point: str, joints: Mapping[str, Track], axes: Sequence[int], rows: int = ROWS
 ) -> Track:
-    """Return the motion of a point of the rigid arm along its joints [m], at so many instants."""
+    """Return the motion of a point of the rigid arm along its joints [m], at so many instants, or poses."""
     start = max(track.time[0] for track in joints.values())
     end = min(track.time[-1] for track in joints.values())
-    time = np.linspace(start, end, rows)
+    poses = any(track.poses for track in joints.values())
+    time = np.arange(start, end + 1.0) if poses else np.linspace(start, end, rows)
     values = {name: track.at(time)[:, 0] for name, track in joints.items()}
     place = arm.point(point)
     seen = link_pose(arm, place.link, values).of_point(np.asarray(place.position))
     seen = np.broadcast_to(seen, (len(time), 3))
-    return Track(time, np.array(seen)[:, list(axes)])
+    return Track(time, np.array(seen)[:, list(axes)], poses)
 
 
 def agreement(measured: Track, predicted: Track, rows: int = ROWS) -> Agreement:
-    """Return how a measured motion goes with one of the model, on a grid of so many instants."""
+    """Return how a measured motion goes with one of the model, on a grid of so many instants.
+
+    Poses have no lag; distances from one to the next stand for speeds.
+    """
     overlap = 0.5  # least share of the shorter motion that a lag must leave
     ratio = predicted.size / measured.size if measured.size > 0 else 0.0
+    if measured.poses:
+        one, other = (_distances(track.at(measured.time)) for track in (measured, predicted))
+        return Agreement(_correlation(one, other), 0.0, ratio)
     step = max(measured.time[-1], predicted.time[-1]) / rows
     one, other = (_speeds(track, step) for track in (measured, predicted))
     if min(len(one), len(other)) < 8 or one.std() == 0 or other.std() == 0:
@@ -94,20 +103,28 @@ def agreement(measured: Track, predicted: Track, rows: int = ROWS) -> Agreement:
         n = min(len(a), len(b))
         if n < overlap * min(len(one), len(other)):
             continue
-        a, b = a[:n] - a[:n].mean(), b[:n] - b[:n].mean()
-        size = float(np.linalg.norm(a) * np.linalg.norm(b))
-        found = float(a @ b) / size if size > 0 else -1.0
+        found = _correlation(a[:n], b[:n])
         if found > best:
             best, lag = found, k
     return Agreement(best, lag * step + float(measured.time[0] - predicted.time[0]), ratio)
 
 
+def _correlation(a: Floats, b: Floats) -> float:
+    """Return the correlation of two series; -1 if one does not vary."""
+    a, b = a - a.mean(), b - b.mean()
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return float(a @ b) / size if size > 0 else -1.0
+
+
 def _speeds(track: Track, step: float) -> Floats:
     """Return speeds on a grid that starts with the motion."""
-    grid = np.arange(track.time[0], track.time[-1], step)
-    values = track.at(grid)
-    speeds: Floats = np.linalg.norm(np.diff(values, axis=0), axis=1) / step
-    return speeds
+    return _distances(track.at(np.arange(track.time[0], track.time[-1], step))) / step
+
+
+def _distances(values: Floats) -> Floats:
+    """Return distances from each row to the next."""
+    found: Floats = np.linalg.norm(np.diff(values, axis=0), axis=1)
+    return found
 
 
 def white_noise(values: Floats) -> float:

@@ -58,7 +58,8 @@ class Proposal:
     def track(self) -> Track:
         """Return its values in SI, by the keys so far."""
         factor = self.factor()
-        return Track.of(self.first.time.seconds, [factor * column.values for column in self.columns])
+        time = self.first.time
+        return Track.of(time.seconds, [factor * column.values for column in self.columns], time.poses)
 
     def raw(self, arm: Arm) -> Track:
         """Return an angle as the smallest of what it may be: in degrees where it is too far for radians.
@@ -114,7 +115,8 @@ def in_output(proposal: Proposal, arm: Arm, option: Option | None = None) -> Tra
     unit, geared = option or (proposal.keys.get("unit", own), proposal.keys.get("before_gear", False))
     factor = unit_factor(unit, QUANTITIES[proposal.quantity].units) * proposal.keys.get("scale", 1.0)
     ratio = motor_ratio(arm, proposal.place[1]) if geared else 1.0
-    return Track.of(proposal.first.time.seconds, [proposal.first.values * factor / ratio])
+    time = proposal.first.time
+    return Track.of(time.seconds, [proposal.first.values * factor / ratio], time.poses)
 
 
 def _unit_of_way(reach: float) -> str:

@@ -40,6 +40,8 @@ class Registration:
 def registration(arm: Arm, point: str, joints: Mapping[str, Track], measured: Track) -> Registration:
     """Return how near a point of the rigid arm along its joints comes to a measured one of three axes."""
     predicted = rigid_track(arm, point, joints, range(3), COARSE)
+    if measured.poses:
+        return _left(measured, predicted, 0.0)
     lag = agreement(measured, predicted, COARSE).lag
     step = max(measured.time[-1], predicted.time[-1]) / COARSE
     best = _left(measured, predicted, lag)

@@ -139,6 +139,8 @@ def settle_motion(proposals: Sequence[Proposal], arm: Arm) -> dict[str, str]:
             late = _late(seen, drives_of(proposals), found)
             told_lag = f"{found.lag:.3g} s, each from its first stamp" if late is None else f"{late:.3g} s"
             reason = f"speeds correlate with the model's by {found.correlation:.2f} at a lag of {told_lag}"
+            if seen.first.time.poses:
+                reason = f"distances of its poses correlate with the model's by {found.correlation:.2f}"
             seen.why["point"] = "; ".join(filter(None, (seen.why.get("point"), reason)))
             finest = 3 * float(np.median(np.diff(seen.track().time)))  # below it clocks may be one [s]
             if late is not None and found.correlation > ALIKE_SPEEDS and abs(late) > finest:
@@ -185,6 +187,10 @@ def settle_noise(proposals: Sequence[Proposal], arm: Arm) -> None:
             continue
         if proposal.place == ("joint", ""):
             continue  # which may be before the gear or not
+        if proposal.first.time.poses:
+            if proposal.place[0] != "joint":
+                proposal.unknown["noise_std"] = "1 sigma of a reading; rows that repeat a pose would tell it"
+            continue
         sizes = [white_noise(column.values) for column in proposal.columns]
         sigma = float(np.max(sizes)) * proposal.factor()
         sigma /= abs(motor_ratio(arm, proposal.place[1])) if "before_gear" in proposal.keys else 1.0

@@ -150,7 +150,8 @@ def unnamed_points(columns: Sequence[Logged], proposals: Sequence[Proposal], arm
         here = [column for column in bare if column.kind == kind]
         best: tuple[float, str, list[Logged]] = (0.0, "", [])
         for three in (here[k : k + 3] for k in range(len(here) - 2)):
-            measured = Track.of(three[0].time.seconds, [column.values for column in three])
+            time = three[0].time
+            measured = Track.of(time.seconds, [column.values for column in three], time.poses)
             if len(measured.time) < 9 or measured.size == 0:
                 continue
             for point in (p.name for p in arm.points if ("point", p.name) not in taken):
@@ -233,7 +234,8 @@ def _point_by_motion(proposal: Proposal, proposals: Sequence[Proposal], arm: Arm
     """Give the model's point whose speed goes best with the measured one, if one does."""
     names = [point.name for point in arm.points]
     joints = {p.place[1]: p.raw(arm) for p in drives_of(proposals) if p.place[1] and not p.counts}
-    measured = Track.of(proposal.first.time.seconds, [column.values for column in proposal.columns])
+    time = proposal.first.time
+    measured = Track.of(time.seconds, [column.values for column in proposal.columns], time.poses)
     axes = ["xyz".index(axis) for axis in proposal.keys.get("axes", "xyz")]
     found: list[tuple[float, str]] = []
     if proposal.quantity == "position" and joints and len(measured.time) > 8 and measured.size > 0:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -78,7 +78,7 @@ def _leaves(
     measured = seen.track()
 
     def left(signs: Mapping[str, float]) -> Registration:
-        turned = {name: Track(t.time, signs.get(name, 1.0) * t.values) for name, t in joints.items()}
+        turned = {name: replace(t, values=signs.get(name, 1.0) * t.values) for name, t in joints.items()}
         return registration(arm, seen.place[1], turned, measured)
 
     return left

@@ -34,6 +34,8 @@ def map_text(
         f"format = {_value(FORMAT)}",
         f"model = {_value(model)}",
     ]
+    poses = any(p.first.time.poses for p in proposals)
+    lines += ['kind = "static"  # poses: neighbouring rows are no neighbours of a motion'] if poses else []
     waiting = [] if drives else [p for p in proposals if p.out and p.quantity in DRIVING]
     if drives:
         lines.append(f"drive = {_value([p.name for p in drives])}  # angles or commands of the joints")
@@ -44,7 +46,7 @@ def map_text(
         lines.append(f"# drive = {_value([p.name for p in waiting])}")
     else:
         lines.append("# unknown: drive; no column is the angle or command of a joint")
-    clocked = [*drives, *waiting, *(p for p in proposals if not p.out)]
+    clocked = [] if poses else [*drives, *waiting, *(p for p in proposals if not p.out)]
     files = list(dict.fromkeys(p.first.file for p in clocked))
     clocks = {clock_of(p): clock_name(p, files) for p in clocked}
     lines += ["", "[clocks]", *_clocks(clocks, clocked)] if len(clocked) > len(waiting) else []
@@ -91,7 +93,10 @@ def _signal(proposal: Proposal, clocks: Mapping[tuple[str, str], str]) -> Iterat
     keys: dict[str, Any] = {"name": proposal.name, "source": first.file}
     if first.topic is not None:
         keys["topic"] = first.topic
-    keys["time"] = time.column if time.column is not None else {"rate_hz": 1.0}
+    if time.pose is not None:
+        keys["pose"] = time.pose
+    if not time.poses:
+        keys["time"] = time.column if time.column is not None else {"rate_hz": 1.0}
     if time.unit not in (None, "s"):
         keys["time_unit"] = time.unit
     if time.form is not None:
@@ -108,7 +113,7 @@ def _signal(proposal: Proposal, clocks: Mapping[tuple[str, str], str]) -> Iterat
     unknown = dict(proposal.unknown)
     if time.unknown:
         unknown["time"] = time.unknown
-    if time.column is None:
+    if time.column is None and not time.poses:
         unknown["time"] = "the rate; 1 Hz stands for it"
     yield "[[signals]]"
     for key, value in keys.items():

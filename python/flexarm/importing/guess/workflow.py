@@ -18,6 +18,7 @@ from pathlib import Path
 from flexarm.arguments import ITEMS, PATH, takes
 from flexarm.arm import Arm
 from flexarm.importing.guess.logged import logged
+from flexarm.importing.guess.poses import as_poses
 from flexarm.importing.guess.proposal import Proposal, drives_of
 from flexarm.importing.guess.settled import settle_motion, settle_noise, settle_units
 from flexarm.importing.guess.signals import (
@@ -47,8 +48,8 @@ def guess_map(files: Iterable[Path], model: str | Path, out: str | Path) -> str:
         for path in map(Path, files)
         for column in logged(path, os.path.relpath(path.absolute(), folder).replace(os.sep, "/"))
     ]
-    columns = named_after_joints(columns, arm)
-    stamped = [column for column in columns if column.time.column is not None] or columns
+    columns = as_poses(named_after_joints(columns, arm))
+    stamped = [c for c in columns if c.time.column is not None or c.time.poses] or columns
     proposals = [*joint_signals(stamped, arm), *point_signals(stamped, arm)]
     settle_places(proposals, arm)
     proposals = [proposal for proposal in proposals if of_joint_type(proposal, arm)]
