@@ -1,10 +1,11 @@
 """Claims about sensors, on a rigid arm whose motion is known in closed form."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from arms import LENGTH, G, arm, beam, hinge, point
+from arms import LENGTH, G, arm, beam, hinge, point, rigid
 
 from flexarm import Arm, Drive, simulate
 from flexarm.arm.sensor import Sensor
@@ -195,11 +196,35 @@ def test_strain_of_a_cantilever_under_its_own_weight():
     run, p, z, x = motion(duration=0.1), 120.0, 0.03, 0.7
     start = [0, 0, -p * LENGTH, 0, p * LENGTH**2 / 2, 0]  # V_z = M_y'
     run.section_forces = np.broadcast_to(np.array([start, [0] * 6]), (len(run.time), 1, 2, 6))
+    run.joint_rate = 0 * run.joint_rate
     record = measure(
         run, [sensor(quantity="strain", link="rod", position=x, fibre=[0.0, z])], np.random.default_rng(0)
     )
     i_y = 0.04 * 0.06**3 / 12
     np.testing.assert_allclose(record.signals["sensor"].values, z * p * (LENGTH - x) ** 2 / 2 / (210e9 * i_y))
+
+
+@pytest.mark.parametrize("scale", [1.0, 1.5])
+def test_strain_along_a_beam_that_spins_about_its_start(scale):
+    """N(x) = rho A w^2 (L^2 - x^2)/2: 3/8 rho A w^2 L^2 in the middle, in any plane."""
+    w, time = 6.0, np.linspace(0, 0.5, 101)
+    spinning = arm(
+        gravity=[0, 0, 0],
+        joints=[
+            hinge("tilt", "stub"),
+            hinge("hinge", "rod", "stub", axis=[0, 0, 2]),
+        ],
+        links=[rigid("stub", 1.0), beam("rod", [LENGTH, 0, 0], BAR, up=[0, 0, 1])],
+        effects=[{"name": "link_mass", "at": "rod", "scale": scale}],
+    )
+    steady = replace(Drive.from_samples(time, {"hinge": w * time}), rest={"tilt": 0.5}, rates={})
+    run = simulate(spinning, steady, step=1e-3, forces=True)
+    material = spinning.link("rod").material
+    for x in (0.0, LENGTH / 2, 0.8 * LENGTH):
+        gauge = sensor(quantity="strain", link="rod", position=x, fibre=[0.0, 0.0])
+        found = measure(run, [gauge], np.random.default_rng(0)).signals["sensor"].values[-3:, 0]
+        exact = scale * material.density * w**2 * (LENGTH**2 - x**2) / 2 / material.youngs_modulus
+        np.testing.assert_allclose(found, exact, rtol=1e-3)
 
 
 def test_noise_is_as_stated():

@@ -4,10 +4,11 @@
     deflection d = R_L^T (p - p_0)                         of a point p of the link                  (2)
 
 N, M_y, M_z are section forces in the section's axes (tension positive, moments on the nearer part); along the
-link they follow from those at its two ends, M' from the shear forces (M_y' = V_z, M_z' = -V_y), which is
-exact for loads that change linearly along it. R_L holds the axes and p_0 is the place that link and point
-would have if the link were rigid, at the simulated angle of its joint. EI, places and the base are those of
-the arm with its effects.
+link they follow from those at its two ends, M' from the shear forces (M_y' = V_z, M_z' = -V_y) and N from
+N'' = -rho A |w x e|^2, with w the angular rate of the link and e its axis, which is exact for loads that
+change linearly along it. R_L holds the axes and p_0 is the place that link and point would have if the link
+were rigid, at the simulated angle of its joint. EI, rho A, places and the base are those of the arm with its
+effects.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from flexarm.arm.kinematics import chain_to, link_pose
+from flexarm.arm.kinematics import chain_to, joint_frame, link_pose
 from flexarm.arm.names import link_of
 from flexarm.arrays import Floats
 from flexarm.assembly.as_built import as_built
@@ -41,11 +42,14 @@ def strain(simulation: Any, what: Described, instants: Floats) -> Floats:
         )
     forces = stored(simulation, "section_forces", what).reshape(len(simulation.time), len(arm.links), 2, 6)
     ends = forces[:, [each.name for each in arm.links].index(link.name)]
-    built = machine_of(arm).links[link.name].table.length  # type: ignore[union-attr]
-    normal, m_y, m_z = _along(ends, float(what.position) * built / link.length, built)
+    member = machine_of(arm).links[link.name]
+    built: float = member.table.length  # type: ignore[union-attr]
+    rho_A = member.mass_scale * link.material.density * link.section.area
+    load_slope = rho_A * _axis_rate(simulation, link, what)
+    normal, m_y, m_z = _along(ends, load_slope, float(what.position) * built / link.length, built)
     y, z = what.fibre
     i_y, i_z = link.section.second_moments
-    bending = (z * m_y / i_y - y * m_z / i_z) / machine_of(arm).links[link.name].bending_scale
+    bending = (z * m_y / i_y - y * m_z / i_z) / member.bending_scale
     eps = (normal / link.section.area + bending) / link.material.youngs_modulus  # eq. (1)
     return sample(simulation.time, eps[:, None], instants)
 
@@ -60,8 +64,25 @@ def _loaded_between_ends(arm: Any, link: Any) -> list[str]:
     return [name for name, place in places if rounding < axis @ np.asarray(place) < link.length - rounding]
 
 
-def _along(ends: Floats, x: float, length: float) -> tuple[Floats, Floats, Floats]:
-    """Return N, M_y, M_z at x of the link from its two ends (n, 2, 6): N linear, moments cubic."""
+def _axis_rate(simulation: Any, link: Any, what: Described) -> Floats:
+    """Return |w x e|^2 of the undeformed link at the joints' angles and rates [rad2/s2], shape (n,)."""
+    arm = simulation.arm
+    angle, rate = stored(simulation, "joint_angle", what), stored(simulation, "joint_rate", what)
+    column = {name: j for j, name in enumerate(simulation.joints)}
+    values = {name: angle[:, j] for name, j in column.items()}
+    spin = np.zeros((len(angle), 3))
+    for joint in chain_to(arm, link.name):
+        if joint.type == "revolute":
+            frame = joint_frame(arm, joint, link_pose(arm, joint.parent, values))
+            axis = np.asarray(joint.axis) / np.linalg.norm(joint.axis)
+            spin = spin + rate[:, column[joint.name], None] * (frame.R @ axis)
+    along = link_pose(arm, link.name, values).R @ (np.asarray(link.end) / link.length)
+    squared: Floats = (np.cross(spin, along) ** 2).sum(axis=1)
+    return squared
+
+
+def _along(ends: Floats, load_slope: Floats, x: float, length: float) -> tuple[Floats, Floats, Floats]:
+    """Return N (quadratic, N'' = -load_slope), M_y, M_z (cubic) at x of the link from its ends (n, 2, 6)."""
     if not 0 <= x <= length:
         raise CannotMeasure(f"a strain gauge must sit on its link, 0 to {length:g} m, got position {x:g} m")
     s = x / length
@@ -74,7 +95,8 @@ def _along(ends: Floats, x: float, length: float) -> tuple[Floats, Floats, Float
             + sign * length * (s * (1 - s) ** 2 * start[:, slope] - s**2 * (1 - s) * end[:, slope])
         )
 
-    return (1 - s) * start[:, 0] + s * end[:, 0], cubic(4, 2, 1.0), cubic(5, 1, -1.0)
+    normal = (1 - s) * start[:, 0] + s * end[:, 0] + load_slope * x * (length - x) / 2
+    return normal, cubic(4, 2, 1.0), cubic(5, 1, -1.0)
 
 
 def deflection(simulation: Any, what: Described, instants: Floats) -> Floats:
