@@ -122,7 +122,7 @@ def _runs(
     others = [law.of.removeprefix(ANGLE_OF)] if law.of.startswith(ANGLE_OF) else []
     window = max(int(policy.window / float(np.median(np.diff(run.time)))), 1)
     for _ in range(policy.rounds):
-        states = states_of(run, joint, run.time, arm.joint(joint).gear_ratio, policy)
+        states = states_of(run, joint, run.time, policy)
         states |= angles_of(run, others, run.time)
         slow = {
             key: np.interp(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexarm.arm.joint import motor_ratio
 from flexarm.arrays import Floats
 from flexarm.missing_law.latent import Latent
 from flexarm.missing_law.policy import LawPolicy
@@ -47,7 +48,7 @@ class States:
 
 
 def states_of(
-    run: Simulation | PoseSequence, joint: str, time: Floats, gear_ratio: float | None, policy: LawPolicy
+    run: Simulation | PoseSequence, joint: str, time: Floats, policy: LawPolicy
 ) -> dict[str, Floats]:
     """Return the states of a joint at instants."""
     k = [each.name for each in run.arm.moving_joints].index(joint)
@@ -56,11 +57,10 @@ def states_of(
         return np.interp(time, run.time, values[:, k])
 
     found = {state: at(getattr(run, array)) for state, array in ARRAYS.items()}
-    if gear_ratio is not None:
-        turn = at(run.drive_angle) * gear_ratio
-        step = float(np.quantile(np.abs(np.diff(turn)), 0.9))
-        if np.ptp(turn) > 2 * np.pi * policy.least_turns and step < 2 * np.pi * policy.turn_step:
-            found["motor_angle"] = np.mod(turn, 2 * np.pi)
+    turn = at(run.drive_angle) * motor_ratio(run.arm, joint)
+    step = float(np.quantile(np.abs(np.diff(turn)), 0.9))
+    if np.ptp(turn) > 2 * np.pi * policy.least_turns and step < 2 * np.pi * policy.turn_step:
+        found["motor_angle"] = np.mod(turn, 2 * np.pi)
     return found
 
 
@@ -101,11 +101,11 @@ def joint_states(latent: Latent, policy: LawPolicy) -> States:
     times = [basis.fine(policy) for basis in response.bases.values()]
     for (name, basis), time in zip(response.bases.items(), times, strict=True):
         run = response.run(name, parts[name]).simulation
-        at_places = states_of(run, joint.name, basis.places, joint.gear_ratio, policy)
+        at_places = states_of(run, joint.name, basis.places, policy)
         drive.append(response.problem.simulations.run(name, response.arm).simulation.drive_angle[:, k])
         for key, array in ARRAYS.items():
             greatest[key] = max(greatest[key], float(np.abs(getattr(run, array)).max()))
-        for key, values in states_of(run, joint.name, time, joint.gear_ratio, policy).items():
+        for key, values in states_of(run, joint.name, time, policy).items():
             if key in at_places:
                 found.setdefault(key, []).append(values)
     count = len(response.bases)

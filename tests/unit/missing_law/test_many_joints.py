@@ -20,6 +20,7 @@ from flexarm.diagnosis.problem import Problem
 from flexarm.effects.tabulated_law import TabulatedLaw
 from flexarm.missing_law.latent import latent_motions
 from flexarm.missing_law.policy import LawPolicy
+from flexarm.missing_law.states import states_of
 from flexarm.missing_law.windup import WindupResponse
 
 JOINTS = ("a", "b", "c", "d")
@@ -100,6 +101,28 @@ def test_the_response_of_each_quantity_is_that_of_a_simulated_windup():
     for rows, where in problem.channels():
         error = np.linalg.norm(found[where] - expected[where])
         assert error < 0.02 * np.linalg.norm(expected[where]) + 1e-9, rows.signal
+
+
+def test_the_angle_within_a_turn_is_that_of_the_motor_before_all_gears():
+    """A motor with a reducer of its own and two gears in series: 3 x 4 x 5 turns for one of the joint."""
+    time, names = np.linspace(0, 4.0, 2001), ("a", "b", "c")
+    rotors = [rigid(f"link_{name}", 1.0, inertia=[0.1, 0.1, 0.1]) for name in names]
+    trains = (
+        {"joints": [hinge("a", "link_a", gear_ratio=60.0)], "links": rotors[:1]},
+        {
+            "joints": [hinge(name, f"link_{name}", gear_ratio=3.0 if name == "c" else 1.0) for name in names],
+            "links": rotors,
+            "gears": [
+                {"name": "first", "input": "c", "output": "b", "ratio": -4.0},
+                {"name": "second", "input": "b", "output": "a", "ratio": -5.0},
+            ],
+        },
+    )
+    angles = []
+    for train in trains:
+        run = flexarm.simulate(arm(**train), flexarm.Drive.from_samples(time, {"a": time}), step=2e-3)
+        angles.append(states_of(run, "a", run.time, QUICK)["motor_angle"])
+    np.testing.assert_allclose(*np.exp(1j * np.array(angles)), atol=1e-9)
 
 
 def test_the_budget_of_time_ends_the_search_within_a_place():
