@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from arms import TUBE, beam, hinge, point, rigid
+from arms import TUBE, beam, compliance, hinge, point, rigid
 from pytest import approx
 
 import flexarm
@@ -137,6 +137,25 @@ def test_a_lag_at_the_input_of_a_gear_is_refused_by_a_stepper(arm):
     late = arm.with_effect(DriveLag(at="shaft", delay=0.0, time_constant=0.1))
     with pytest.raises(InvalidParameter, match="drive_lag at 'shaft'"):
         flexarm.Stepper(late, {"hinge": "motor"})
+
+
+@pytest.mark.parametrize(("driven", "twist"), [("shaft", 0.3 / 5.0), ("hinge", 0.0)])
+def test_a_torque_behind_gears_does_not_twist_the_spring_at_their_input(driven, twist):
+    """T/(n k) under a torque of the shaft's motor, 0 under one at the hinge; both turn it by T t^2/(2 J)."""
+    geared = flexarm.Arm.from_dict(
+        {
+            "gravity": [0, 0, 0],
+            "joints": [hinge("hinge", "link"), hinge("shaft", "rotor")],
+            "gears": [{"name": "reducer", "input": "shaft", "output": "hinge", "ratio": 10.0}],
+            "links": [rigid("link", 1.0, inertia=[2.0] * 3), rigid("rotor", 1e-6, inertia=[1e-9] * 3)],
+            "effects": [compliance("shaft", 5.0, 0.05)],
+        }
+    )
+    torque = np.full(11, 3.0 if driven == "hinge" else 0.3)
+    drive = flexarm.Drive.from_samples(np.linspace(0, 0.5, 11), {driven: torque}, side="torque")
+    run = flexarm.simulate(geared, drive, step=1e-3)
+    assert run.joint_angle[-1, 0] == approx(3.0 * 0.5**2 / 2 / 2.0, rel=0.01)
+    assert (run.drive_angle - run.joint_angle)[-1, 1] == approx(twist, abs=1e-6)
 
 
 @pytest.mark.parametrize("driven", ["shaft", "hinge"])
