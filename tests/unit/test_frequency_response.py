@@ -264,6 +264,27 @@ def test_effects_of_sensors_act_on_responses(name, at, keys, factor):
     assert response_to_angle(model, "motor", **LINK) == pytest.approx(FOLLOWS * factor, rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    "effects",
+    [
+        ({"name": "dead_channel", "at": "drive"},),
+        (
+            {"name": "encoder_offset", "at": "drive", "offset": 0.3},
+            {"name": "saturation", "at": "drive", "limit": 0.2},
+        ),
+    ],
+)
+def test_an_input_that_does_not_move_is_refused(effects):
+    """The model's response was infinite: its output over an input that stands."""
+    with pytest.raises(flexarm.InvalidParameter, match=r"signals\.drive: reads the same about rest"):
+        response_to_angle(two_inertias(*effects), "motor", **LINK)
+
+
+def test_a_saturation_beyond_rest_leaves_a_response():
+    model = two_inertias({"name": "saturation", "at": "drive", "limit": 0.2})
+    assert response_to_angle(model, "motor", **LINK) == pytest.approx(FOLLOWS, rel=1e-9)
+
+
 def test_a_response_on_a_late_clock_lags():
     model = two_inertias()
     late = response_to_angle(model, "motor", clock="late", **LINK)

@@ -210,8 +210,8 @@ def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
     Raises
     ------
     InvalidParameter
-        If the record names what the model does not have, an output does not follow its input, or its frame
-        is unknown.
+        If the record names what the model does not have, an output does not follow its input, its frame is
+        unknown, or an effect of the model leaves nothing of an input (`saturation`, `dead_channel`).
     NotConverged
         If there is no stable equilibrium.
     """
@@ -291,7 +291,11 @@ def _response(arm: Arm, record: Record, signal: Signal, frequency: Floats) -> Co
         frame = effects_of(arm, signal).registration(stated_placement(record).frame(signal))
         turned, axes = frame.error_rotation.T @ frame.frame_axes, columns(signal.axes)
         H, rest = frame.scale * (H @ turned)[:, axes], frame.positions(rest[None], axes=axes)[0]
-    slopes = _slopes(arm, signal, rest) / _slopes(arm, to, np.array([stands]))
+    of_input = _slopes(arm, to, np.array([stands]))
+    if not of_input.all():
+        what = f"reads the same about rest, {stands:.4g}: an effect of the model hides the motion"
+        raise InvalidParameter(what, where=f"signals.{to.name}")
+    slopes = _slopes(arm, signal, rest) / of_input
     late = _delay(arm, record, signal) - _delay(arm, record, to)
     return np.asarray(H * slopes * np.exp(-2j * np.pi * frequency[:, None] * late))  # eq. (2)
 
