@@ -86,7 +86,7 @@ def _shrinking(choice: Choice, k: int, problem: Problem) -> str:
         return (
             f"with clocks, frames and nominal values fitted along the largest gap above the noise is "
             f"{number(after, 2)} times the noise, with {listed(members)} or without; but without "
-            f"{'it' if alone else 'them'} {spared} {gained}"
+            f"{'it' if alone else 'them'} {spared} {gained}; if that sigma is too small, no effect is missing"
         )
     shrinks = (
         f"falls from {number(before, 2)} to {number(after, 2)}"

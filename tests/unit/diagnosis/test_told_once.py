@@ -141,7 +141,8 @@ def test_a_gap_that_strained_values_close_as_well_is_not_said_to_stay(monkeypatc
     assert told == (
         "with clocks, frames and nominal values fitted along the largest gap above the noise is 0.29 times "
         "the noise, with backlash at joint hinge or without; but without it the value E would be off by 8.7 "
-        "times its stated sigma (ln Bayes factor 39 over the model without it)."
+        "times its stated sigma (ln Bayes factor 39 over the model without it); if that sigma is too small, "
+        "no effect is missing."
     )
 
 
