@@ -1,8 +1,8 @@
 """Gap of records with a law: of models that have it as an effect, and of runs along its windup.
 
 A law that is no effect of a model is a windup along states of the run that it moves. A run without it gives
-the first states, its own runs the next: a fixed-point iteration of `policy.rounds`. States are means over
-`policy.window`, so that it converges at the first mode.
+the first states, its own runs the next: a fixed-point iteration of `policy.rounds`. States of motions are
+means over `policy.window`, so that it converges at the first mode.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from flexarm.arm import Arm
+from flexarm.arrays import Floats
 from flexarm.comparison.compare import compare
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.pooled_gap import pooled_gap
@@ -32,6 +33,8 @@ from flexarm.missing_law.states import ANGLE_OF, angles_of, states_of
 from flexarm.missing_law.windup import drive_plus
 
 if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
+
     from flexarm.record import Record
 
 
@@ -99,8 +102,6 @@ def _gap(
     before: dict[str, Comparison] = {}
     after: dict[str, Comparison] = {}
     for k, (name, record) in enumerate(records.items()):
-        if record.kind != "motion":
-            continue
         plain, with_windup = _runs(latent, law, runs, name, k if fitted else -1, policy)
         before[name] = compare(plain.arm, record, simulation=plain)
         after[name] = compare(plain.arm, record, simulation=with_windup)
@@ -116,22 +117,31 @@ def _runs(
     assert latent.response is not None
     arm, joint = latent.response.arm, latent.at
     plain = run = runs.run(name, arm).simulation
-    drive = runs.drive(name, runs.records[name].applied_to(arm)).joints[joint]
-    basis = TimeBasis.over(float(run.time[0]), float(run.time[-1]), policy)
-    fine = basis.fine(policy)
     others = [law.of.removeprefix(ANGLE_OF)] if law.of.startswith(ANGLE_OF) else []
-    window = max(int(policy.window / float(np.median(np.diff(run.time)))), 1)
+    poses = runs.records[name].kind == "static"
+    drive = None if poses else runs.drive(name, runs.records[name].applied_to(arm)).joints[joint]
     for _ in range(policy.rounds):
-        states = states_of(run, joint, run.time, policy)
-        states |= angles_of(run, others, run.time)
-        slow = {
-            key: np.interp(
-                fine,
-                run.time,
-                values if key == "motor_angle" else uniform_filter1d(values, window, mode="nearest"),
-            )
-            for key, values in states.items()
-        }
-        motion = basis.nearest(fine, law.values(slow, fine, number))
-        run = runs.driven(name, arm, {joint: drive_plus(drive, basis.polynomial(motion))}).simulation
+        states = states_of(run, joint, run.time, policy) | angles_of(run, others, run.time)
+        if drive is None:
+            moved = runs.turned(name, arm, joint, law.values(states, run.time, number))
+        else:
+            wound = drive_plus(drive, _windup(law, states, run.time, number, policy))
+            moved = runs.driven(name, arm, {joint: wound})
+        run = moved.simulation
     return plain, run
+
+
+def _windup(law: Law, states: dict[str, Floats], time: Floats, number: int, policy: LawPolicy) -> PPoly:
+    """Return the windup of a law of slow states of a run."""
+    basis = TimeBasis.over(float(time[0]), float(time[-1]), policy)
+    fine = basis.fine(policy)
+    window = max(int(policy.window / float(np.median(np.diff(time)))), 1)
+    slow = {
+        key: np.interp(
+            fine,
+            time,
+            values if key == "motor_angle" else uniform_filter1d(values, window, mode="nearest"),
+        )
+        for key, values in states.items()
+    }
+    return basis.polynomial(basis.nearest(fine, law.values(slow, fine, number)))

@@ -104,7 +104,12 @@ def found(of: str) -> MissingLaws:
 
 def found_of(law: Callable[..., Floats], other: Callable[..., Floats]) -> MissingLaws:
     """What is missing of two records, where the one held out has another law."""
-    training, held_out = {"a": record(law, 60, 1), "b": record(law, 60, 2)}, {"c": record(other, 60, 3)}
+    return found_in(record(law, 60, 1), record(law, 60, 2), record(other, 60, 3))
+
+
+def found_in(first: Record, second: Record, last: Record) -> MissingLaws:
+    """What is missing of two records, where the last one is held out."""
+    training, held_out = {"a": first, "b": second}, {"c": last}
     problem = Problem(nominal(), training, jobs=1)
     estimator = Estimator.nominal(problem, nuisance_model(problem))
     check = LawCheck(SplitRecords(training, held_out, 2e-3, -0.05, 1), nominal(), nominal(), "tip")
@@ -127,6 +132,23 @@ def test_a_law_of_poses_is_the_hidden_one_and_closes_the_held_out_gap(of):
     assert best.held_out.after_rms == pytest.approx(best.held_out.noise_rms, rel=0.15)
     assert laws.added is not None
     assert laws.added.arm.effect("tabulated_law", "shoulder") is not None
+
+
+def test_a_law_of_poses_that_no_table_holds_tells_the_gap_that_it_closes():
+    """A shoulder that the motor of the elbow turns along, by 4 mrad/rad, as through a common hub."""
+
+    def coupled(seed: int) -> Record:
+        one = record(lambda torque, angle: 0 * torque, 60, seed)
+        shoulder, elbow = (one.signals[name] for name in one.drive)
+        read = shoulder.replace(values=shoulder.values - 4e-3 * elbow.values)
+        return one.replace(signals={**one.signals, "shoulder": read})
+
+    laws = found_in(coupled(1), coupled(2), coupled(3))
+    curve = next(each for each in laws.curves if each.quantity == "windup")
+    assert (curve.at, curve.of, curve.kind) == ("shoulder", "angle of elbow", "law")
+    for gap in (curve.train, curve.held_out):
+        assert gap.before_rms > 20 * gap.noise_rms
+        assert gap.after_rms < 0.05 * gap.before_rms
 
 
 def test_poses_without_a_hidden_law_have_none_and_say_so():
