@@ -8,9 +8,10 @@ r"""Cross-sections of beams.
 
 with width w along the local y and height h along the local z. I_y resists bending in the x-z plane. A hollow
 one loses the inner rectangle. With a wall t, whose middle is b = w - t wide and a = h - t high, Bredt's
-formula gives its torsion constant, and the energy of the shear flow S(s) V/I its shear area along z,
+formula and the torsion of the wall itself give its torsion constant [EN10210], within 7 % for any wall, and
+the energy of the shear flow S(s) V/I its shear area along z,
 
-.. math:: J = 2 t a^2 b^2/(a + b), \qquad
+.. math:: J = 2 t a^2 b^2/(a + b) + 2 t^3 (a + b)/3, \qquad
     A_z = I^2 \Big/ \oint S^2/t \, ds, \quad I = t a^3/6 + t a^2 b/2                                 (3)
 
 .. math:: \oint S^2/t \, ds = t a^2 b^3/24 + 2 t (d^2 a - d a^3/12 + a^5/320), \quad d = a b/4 + a^2/8  (4)
@@ -130,7 +131,8 @@ class Rectangle(Table):
     def hollow(self, wall: float) -> tuple[float, tuple[float, float]]:
         """Return torsion constant [m4] and shear areas along y and z [m2] of one with a wall, eq. (3)."""
         b, a = self.width - wall, self.height - wall
-        return 2 * wall * a**2 * b**2 / (a + b), (_shear_area(b, a, wall), _shear_area(a, b, wall))
+        torsion = 2 * wall * a**2 * b**2 / (a + b) + 2 * wall**3 * (a + b) / 3
+        return torsion, (_shear_area(b, a, wall), _shear_area(a, b, wall))
 
 
 def _shear_area(a: float, b: float, t: float) -> float:
