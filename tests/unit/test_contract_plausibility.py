@@ -71,6 +71,20 @@ def test_a_frame_turned_by_degrees_is_doubted():
     assert found.what == "is [0.0, 0.0, 74.5] rad; write degrees as radians"
 
 
+@pytest.mark.parametrize(("up", "fibre"), [(None, [0.0, 0.03]), ([1, 0, 0], [0.0, 0.03]), (None, [0.0, 0.0])])
+def test_a_strain_gauge_off_the_axis_of_a_beam_needs_its_up(up, fibre):
+    """On the axis it sees the axial force alone, whatever the section's axes."""
+    gauge = {"name": "gauge", "quantity": "strain", "link": "rod", "position": 0.5, "fibre": fibre}
+    table = paper_arm().to_dict() | {"sensors": [{**gauge, "rate_hz": 10}]}
+    table["links"] = [{**table["links"][0], **({} if up is None else {"up": up})}]
+    arm = flexarm.Arm.from_dict(table)
+    signal = flexarm.Signal(**gauge, values=np.zeros(3), time=np.arange(3.0))
+    problems = [*arm.warnings, *flexarm.Record(signals=[signal]).check_against(arm)]
+    told = [each.where for each in problems if "states no `up`" in each.what]
+    assumed = up is None and any(fibre)
+    assert told == (["sensors.gauge.fibre", "signals.gauge.fibre"] if assumed else [])
+
+
 def test_a_beam_of_no_length_to_speak_of_is_told(tmp_path, request):
     text = (request.config.rootpath / "examples/telescopic_crane.toml").read_text()
     model = tmp_path / "crane.toml"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import hypot
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flexarm.arm.link import Beam, SuperElementLink
 from flexarm.arm.names import link_of
@@ -29,6 +29,7 @@ def validate(arm: Arm) -> Iterable[Problem]:
     yield from _on_the_start(arm)
     yield from _counted_twice(arm)
     yield from _unseen(arm)
+    yield from assumed_axes(arm, "sensors", arm.sensors)
     yield from size_problems(arm)
     if not 9.5 < hypot(*arm.gravity) < 10 and hypot(*arm.gravity) > 0:
         yield Problem("gravity", f"has a magnitude of {hypot(*arm.gravity):g} m/s2; on Earth it is 9.81 m/s2")
@@ -123,6 +124,17 @@ def _unseen(arm: Arm) -> Iterable[Problem]:
                 f"no sensor has the {effect.place} {effect.at!r}, they have {have}; the effect acts only on "
                 "a record that has it",
             )
+
+
+def assumed_axes(arm: Arm, table: str, gauges: Iterable[Any]) -> Iterable[Problem]:
+    """Yield strain gauges of a table off the axis of a beam without `up`, which gives the section's axes."""
+    beams = {link.name: link for link in arm.links if isinstance(link, Beam) and link.up is None}
+    for gauge in gauges:
+        beam = beams.get(gauge.link or "")
+        if gauge.quantity == "strain" and beam is not None and any(gauge.fibre or ()):
+            z = "xyz"[beam.lean.index(1.0)]
+            what = f"counts in section axes whose z leans to {z} of the link: {beam.name!r} states no `up`"
+            yield Problem(f"{table}.{gauge.name}.fibre", what)
 
 
 def _counted_twice(arm: Arm) -> Iterable[Problem]:

@@ -12,6 +12,7 @@ from flexarm.arm.closure import joints_moved_with
 from flexarm.arm.consistency import missing
 from flexarm.arm.effect import read_effect
 from flexarm.arm.link import Beam
+from flexarm.arm.plausibility import assumed_axes
 from flexarm.arm.rotation import scaled
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.record.drive_span import range_at_rest
@@ -61,8 +62,12 @@ def unknown_names(record: Record, arm: Arm) -> list[Problem]:
 
 
 def validate(record: Record, arm: Arm) -> list[Problem]:
-    """Return values that this arm cannot show, and effects that act on nothing in the record."""
-    return [*implausible_values(record, arm), *unplaced_effects(record, arm)]
+    """Return values that this arm cannot show, effects that act on nothing, and gauges on assumed axes."""
+    return [
+        *implausible_values(record, arm),
+        *unplaced_effects(record, arm),
+        *assumed_axes(arm, "signals", record.signals.values()),
+    ]
 
 
 def implausible_values(record: Record, arm: Arm) -> list[Problem]:
