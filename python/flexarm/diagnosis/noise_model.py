@@ -35,9 +35,10 @@ and a halving reduces the left side as a method of order two does.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from itertools import count, islice
 from math import sqrt
 from typing import TYPE_CHECKING
 
@@ -50,6 +51,7 @@ from flexarm.diagnosis.fit import FIT_ERRORS
 from flexarm.diagnosis.policy import NOISE_MODEL
 from flexarm.diagnosis.problem import Problem, extrapolated
 from flexarm.diagnosis.residual_rows import greatest_by_signal, is_non_smooth
+from flexarm.diagnosis.simulation_cache import SimulationCache, effects_on_drives
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.encoder import quantised
 from flexarm.measurement.smoothing import smooth
@@ -98,15 +100,15 @@ SEED = 0
 
 def allow_for_input_noise(problem: Problem, arm: Arm) -> None:
     """Add the input noise (1) of a model to `rows`, where it exceeds what was known."""
-    rng = np.random.default_rng(SEED)
+    squares: list[list[float]] = []
     with suppress(*FIT_ERRORS):
-        errors = [_squared_error(problem, arm, rng)]
-        if errors[0].max(initial=0.0) < NOISE_MODEL.negligible**2:
-            return
-        errors += [_squared_error(problem, arm, rng) for _ in range(NOISE_MODEL.draws - 1)]
-        square = np.mean(errors, axis=0).tolist()
-        rows = zip(problem.rows, square, strict=True)
-        problem.rows = tuple(replace(each, input_noise=max(each.input_noise, s)) for each, s in rows)
+        for error in islice(_input_errors(problem, arm), NOISE_MODEL.draws):
+            squares.append([float(np.mean(error[each.where] ** 2)) for each in problem.rows])
+            if max(squares[0], default=0.0) < NOISE_MODEL.negligible**2:
+                return
+        if squares:
+            rows = zip(problem.rows, np.mean(squares, axis=0).tolist(), strict=True)
+            problem.rows = tuple(replace(each, input_noise=max(each.input_noise, s)) for each, s in rows)
 
 
 def input_noise_by_signal(problem: Problem) -> dict[str, float]:
@@ -143,30 +145,30 @@ def weighted_by_input_noise(problem: Problem) -> Problem:
     return found
 
 
-def _squared_error(problem: Problem, arm: Arm, rng: np.random.Generator) -> Floats:
-    """Return the mean square of one draw of (1) in each of `rows`, over its variance."""
-    moved = _input_error(problem, arm, rng)
-    return np.array([float(np.mean(moved[each.where] ** 2)) for each in problem.rows])
-
-
 def input_noise_errors(problem: Problem, arm: Arm) -> Floats:
     """Return residual errors for draws of (1), over the noise, shape (draws, n); (0, n) if there are none."""
-    rng, found = np.random.default_rng(SEED), np.empty((0, len(problem)))
+    found = np.empty((0, len(problem)))
     with suppress(*FIT_ERRORS):
-        for _ in range(NOISE_MODEL.error_draws):
-            error = _input_error(problem, arm, rng)
-            if not error.any():
-                break
+        for error in islice(_input_errors(problem, arm), NOISE_MODEL.error_draws):
             found = np.vstack([found, error])
     return found
 
 
-def _input_error(problem: Problem, arm: Arm, rng: np.random.Generator) -> Floats:
-    """Return the residual error for one draw of (1), over the noise, shape (n,)."""
-    again = {name: _noisy_again(record, arm, rng) for name, record in problem.records.items()}
-    if all(again[name] is record for name, record in problem.records.items()):
-        return np.zeros(len(problem))
-    return np.asarray(problem.with_drives(again).residual(arm) - problem.residual(arm))
+def _input_errors(problem: Problem, arm: Arm) -> Iterator[Floats]:
+    """Yield the residual error for each draw of (1), over the noise, shape (n,); none without noise.
+
+    The draws are those of all models with the same effects on what drives, which are smoothed once.
+    """
+    effects = tuple(effects_on_drives(record, arm) for record in problem.records.values())
+    rng, drawn = problem.draws.setdefault(effects, (np.random.default_rng(SEED), []))
+    for k in count():
+        if k == len(drawn):
+            again = {name: _noisy_again(record, arm, rng) for name, record in problem.records.items()}
+            if all(again[name] is record for name, record in problem.records.items()):
+                return
+            drawn.append(SimulationCache(again, problem.step, problem.alpha))
+        noisy = problem.along(drawn[k].with_step(problem.step))
+        yield np.asarray(noisy.residual(arm) - problem.residual(arm))
 
 
 def _noisy_again(record: Record, arm: Arm, rng: np.random.Generator) -> Record:

@@ -93,6 +93,10 @@ class Problem:
     """Simulations of the records."""
     evidence: WeakKeyDictionary[Any, Any] = field(init=False, default_factory=WeakKeyDictionary)
     """Evidence of fits, and the rows that it was computed with (`diagnosis.evidence`)."""
+    draws: dict[Any, tuple[np.random.Generator, list[SimulationCache]]] = field(
+        init=False, default_factory=dict
+    )
+    """Simulations along drives with other noise, by the effects on drives (`diagnosis.noise_model`)."""
     _residuals: OrderedDict[Any, Floats] = field(init=False, default_factory=OrderedDict)
     _stepped: dict[float, Problem] = field(init=False, default_factory=dict)
     _seen: _Seen = field(init=False, default_factory=WeakKeyDictionary)
@@ -164,9 +168,12 @@ class Problem:
 
     def with_drives(self, records: Mapping[str, Record]) -> Problem:
         """Return the same rows against simulations along the drives of other records."""
+        return self.along(SimulationCache(records, self.step, self.alpha))
+
+    def along(self, simulations: SimulationCache) -> Problem:
+        """Return the same rows against other simulations."""
         found = self.fresh()
-        found.records = records
-        found.simulations = SimulationCache(records, self.step, self.alpha)
+        found.records, found.simulations, found.draws = simulations.records, simulations, {}
         return found
 
     def with_noise(self, times: Floats) -> Problem:

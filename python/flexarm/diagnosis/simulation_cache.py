@@ -82,7 +82,7 @@ class SimulationCache:
                 equations = frozenset(
                     (e.name, e.at) for e in arm.effects if e.place in ("joint", "base", ANYWHERE)
                 )
-                kind = equations, _driving(record, carried)
+                kind = equations, effects_on_drives(record, carried)
                 alike.setdefault(kind, {}).setdefault(self._key(name, carried), []).append((arm, carried))
         found = []
         for runs in (list(each.values()) for each in alike.values()):
@@ -142,7 +142,7 @@ class SimulationCache:
         moving = tuple(e for e in arm.effects if not isinstance(e, SignalEffect | ClockEffect | FrameEffect))
         loop = (arm.motors, arm.controllers, _read_by_controllers(record, arm))
         parts = (arm.gravity, arm.joints, arm.gears, arm.closures, arm.links, arm.payloads, arm.points)
-        return (name, *parts, moving, _driving(record, arm), loop)
+        return (name, *parts, moving, effects_on_drives(record, arm), loop)
 
     def _made(self, name: str, arm: Arm, rotations: bool) -> SimulatedRecord:
         """Return a run."""
@@ -215,15 +215,15 @@ class SimulationCache:
     def drive(self, name: str, arm: Arm) -> Drive:
         """Return what a model with its record's payloads is driven by."""
         record = self.records[name]
-        key = (name, _driving(record, arm))
+        key = (name, effects_on_drives(record, arm))
         if key not in self._drives:
             require_known_drive(record)
             self._drives[key] = Drive.from_record(record, arm)
         return self._drives[key]
 
 
-def _driving(record: Record, arm: Arm) -> tuple[Any, ...]:
-    """Effects of the model on signals and clocks that drive a record."""
+def effects_on_drives(record: Record, arm: Arm) -> tuple[Any, ...]:
+    """Return effects of the model on signals and clocks that drive a record."""
     places = {*record.drive, *(record.signals[name].clock for name in record.drive)}
     return tuple(e for e in arm.effects if isinstance(e, SignalEffect | ClockEffect) and e.at in places)
 

@@ -5,11 +5,13 @@ import pytest
 from arms import crane, hinge, smooth_step, tracker
 
 import flexarm
+from flexarm import Drive
 from flexarm.arm.sensor import Sensor
 from flexarm.diagnosis.evidence import above_noise
 from flexarm.diagnosis.noise_model import (
     allow_for_input_noise,
     input_noise_by_signal,
+    input_noise_errors,
     input_noise_reading,
     input_noise_remarks,
     weighted_by_input_noise,
@@ -87,6 +89,18 @@ def test_the_same_model_is_allowed_the_same_and_never_less(arm):
     rigid = arm.without_effect("joint_compliance", "hinge")  # follows its drive, and rings far less
     allow_for_input_noise(one, rigid)
     assert all(row.input_noise >= before for row, before in zip(one.rows, first, strict=True))
+
+
+def test_models_share_the_draws_of_the_drives(arm, monkeypatch):
+    """Smoothing is most of the work, and does not depend on springs."""
+    there = problem(arm, 1e-4)
+    first = input_noise_errors(there, arm)
+    monkeypatch.setattr(Drive, "from_record", None)
+    softer = arm.with_effect(JointCompliance(at="hinge", stiffness=1.2e5, damping=180.0))
+    assert input_noise_errors(there, arm) == pytest.approx(first)
+    assert input_noise_errors(there, softer).shape == first.shape
+    monkeypatch.undo()
+    assert input_noise_errors(problem(arm, 1e-4), arm) == pytest.approx(first)
 
 
 def test_noise_that_is_larger_is_shaken_by_less_of_it(arm):
