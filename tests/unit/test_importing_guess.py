@@ -663,13 +663,23 @@ def test_rows_in_no_order_are_poses_of_one_file(logs, tables, number):
     assert record.kind == "static" and len(record.poses) == 40
 
 
-def test_poses_and_what_a_tracker_saw_of_them_lie_in_two_files(logs, tables):
-    rows, angles, seen = tables
-    write_table(logs / "poses.csv", "nr,pan [deg],lift [deg]", rows, angles)
-    write_table(logs / "points.csv", "point,X [mm],Y [mm],Z [mm]", rows, seen)
-    data, _ = guessed(logs, "poses.csv", "points.csv")
+@pytest.mark.parametrize("repeats", [1, 5])
+def test_poses_and_what_a_tracker_saw_of_them_lie_in_two_files(logs, tables, repeats):
+    """The tracker missed one, and may have read each several times."""
+    rows, seen = (np.repeat(tables[k], repeats, axis=0) for k in (0, 2))
+    write_table(logs / "poses.csv", "nr,pan [deg],lift [deg]", *tables[:2])
+    write_table(logs / "points.csv", "point,X [mm],Y [mm],Z [mm]", rows[repeats:], seen[repeats:])
+    data, text = guessed(logs, "poses.csv", "points.csv")
     assert data["kind"] == "static"
     assert {s["name"]: s["pose"] for s in data["signals"]} == {"pan": "nr", "lift": "nr", "tip": "point"}
+    assert "distances of its poses correlate with the model's by 1.00" in text
+
+
+def test_poses_that_are_read_several_times_are_no_motion(logs, tables):
+    rows, angles, seen = (np.repeat(each, 4, axis=0) for each in tables)
+    write_table(logs / "poses.csv", "Pose,pan [deg],lift [deg],X [mm],Y [mm],Z [mm]", rows, angles, seen)
+    data, _ = guessed(logs, "poses.csv")
+    assert data["kind"] == "static" and data["signals"][0]["pose"] == "Pose"
 
 
 def test_rows_of_a_motion_that_numbers_count_are_no_poses(logs, tables):

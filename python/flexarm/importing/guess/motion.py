@@ -73,13 +73,13 @@ def rigid_track(
     """Return the motion of a point of the rigid arm along its joints [m], at so many instants, or poses."""
     start = max(track.time[0] for track in joints.values())
     end = min(track.time[-1] for track in joints.values())
-    poses = any(track.poses for track in joints.values())
-    time = np.arange(start, end + 1.0) if poses else np.linspace(start, end, rows)
+    first = next(iter(joints.values()))
+    time = first.time if first.poses else np.linspace(start, end, rows)
     values = {name: track.at(time)[:, 0] for name, track in joints.items()}
     place = arm.point(point)
     seen = link_pose(arm, place.link, values).of_point(np.asarray(place.position))
     seen = np.broadcast_to(seen, (len(time), 3))
-    return Track(time, np.array(seen)[:, list(axes)], poses)
+    return Track(time, np.array(seen)[:, list(axes)], first.poses)
 
 
 def agreement(measured: Track, predicted: Track, rows: int = ROWS) -> Agreement:

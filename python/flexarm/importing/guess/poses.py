@@ -9,13 +9,15 @@ is 2 for rows in no order, and near 0 for a motion that is sampled often enough 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from flexarm.importing.guess.logged import Logged
+from flexarm.arrays import Floats
+from flexarm.importing.guess.logged import Logged, Stamped
 from flexarm.importing.guess.words import is_stamp, words_of
+from flexarm.units import factor_to
 
 NUMBERS = (
     "pose",
@@ -36,40 +38,34 @@ NUMBERS = (
 
 
 def as_poses(columns: Sequence[Logged]) -> list[Logged]:
-    """Return the columns with rows in place of stamps, where these are poses; else as they are."""
-    angles = [column for column in columns if column.meaning.quantity == "joint_angle"]
-    rows = {len(column.values) for column in columns}
-    if not angles or len(rows) != 1 or any(column.kind[1:] != (None, ()) for column in columns):
+    """Return the columns with numbers of poses in place of stamps, where rows are poses; else as they are."""
+    tables: dict[str, list[Logged]] = {}
+    for column in columns:
+        tables.setdefault(column.file, []).append(column)
+    numbers = {file: _numbers(table) for file, table in tables.items()}
+    named = all(name is not None for name, _ in numbers.values())
+    alike = named or len({len(column.values) for column in columns}) == 1
+    plain = all(column.kind[1:] == (None, ()) for column in columns)
+    if not (alike and plain and _jump(columns, numbers)) or any(map(_are_instants, columns)):
         return list(columns)
-    if not _jump(angles) or any(_are_instants(column) for column in columns):
-        return list(columns)
-    numbers = {file: _number(columns, file) for file in {column.file for column in columns}}
-    named = None not in numbers.values()
-    return [
-        replace(
-            column,
-            time=replace(
-                column.time,
-                column=None,
-                unit=None,
-                seconds=np.arange(float(*rows)),
-                start=0.0,
-                form=None,
-                unknown="",
-                poses=True,
-                pose=numbers[column.file] if named else None,
-            ),
-        )
-        for column in columns
-        if not (named and column.column == numbers[column.file])
-    ]
+    found = []
+    for column in columns:
+        name, values = numbers[column.file]
+        stamps = Stamped(None, None, values, 0.0, "", poses=True, pose=name if named else None)
+        found += [] if named and column.column == name else [replace(column, time=stamps)]
+    return found
 
 
-def _jump(angles: Sequence[Logged]) -> bool:
-    """Return True if neighbouring values of an angle are as far apart as any, by (1)."""
+def _jump(columns: Sequence[Logged], numbers: Mapping[str, tuple[str | None, Floats]]) -> bool:
+    """Return True if an angle is as far from one pose to the next as between any, by (1)."""
     in_order = 0.5  # ratio (1) up to which rows follow one another
-    finite = (column.values[np.isfinite(column.values)] for column in angles if not column.rests)
-    return any(np.mean(np.diff(x) ** 2) > in_order * np.var(x) for x in finite if len(x) > 1)
+    for column in columns:
+        if column.meaning.quantity == "joint_angle" and not column.rests:
+            first = column.values[np.unique(numbers[column.file][1], return_index=True)[1]]
+            x = first[np.isfinite(first)]
+            if len(x) > 1 and np.mean(np.diff(x) ** 2) > in_order * np.var(x):
+                return True
+    return False
 
 
 def _are_instants(column: Logged) -> bool:
@@ -81,12 +77,12 @@ def _are_instants(column: Logged) -> bool:
     return named and float(np.median(np.diff(time.seconds))) < slowest
 
 
-def _number(columns: Sequence[Logged], file: str) -> str | int | None:
-    """Return the column of a file that numbers its poses, by its name."""
-    here = [column for column in columns if column.file == file]
-    names = [here[0].time.column, *(column.column for column in here if _is_whole(column))]
-    return next((n for n in names if isinstance(n, str) and any(w in NUMBERS for w in words_of(n))), None)
-
-
-def _is_whole(column: Logged) -> bool:
-    return bool(np.all(column.values == np.round(column.values)))
+def _numbers(table: Sequence[Logged]) -> tuple[str | None, Floats]:
+    """Return the column of a file that numbers poses, by its name, and the numbers; else those of rows."""
+    time, rounding = table[0].time, 1e-6
+    stamps = (time.seconds + time.start) / (factor_to("s", time.unit or "s") or 1.0)
+    for name, values in [(time.column, stamps), *((column.column, column.values) for column in table)]:
+        whole = bool(np.abs(values - np.round(values)).max() < rounding)
+        if isinstance(name, str) and whole and any(word in NUMBERS for word in words_of(name)):
+            return name, np.round(values)
+    return None, np.arange(float(len(table[0].values)))
