@@ -682,8 +682,11 @@ def test_poses_that_are_read_several_times_are_no_motion(logs, tables):
     assert data["kind"] == "static" and data["signals"][0]["pose"] == "Pose"
 
 
-def test_rows_of_a_motion_that_numbers_count_are_no_poses(logs, tables):
+@pytest.mark.parametrize("rests", [False, True])
+def test_rows_of_a_motion_that_numbers_count_are_no_poses(logs, rests):
+    """Nor where a joint rests, whose noise follows in no order."""
     t = np.arange(0, 8, 0.02)
     motion = np.degrees(np.column_stack(list(angles(t).values())))
+    motion[:, 1] = np.random.default_rng(1).normal(0.0, 1e-3, len(t)) if rests else motion[:, 1]
     write_table(logs / "motion.csv", "nr,pan [deg],lift [deg]", np.arange(len(t))[:, None], motion)
     assert "kind" not in guessed(logs, "motion.csv")[0]

@@ -57,14 +57,18 @@ def as_poses(columns: Sequence[Logged]) -> list[Logged]:
 
 
 def _jump(columns: Sequence[Logged], numbers: Mapping[str, tuple[str | None, Floats]]) -> bool:
-    """Return True if an angle is as far from one pose to the next as between any, by (1)."""
-    in_order = 0.5  # ratio (1) up to which rows follow one another
-    for column in columns:
-        if column.meaning.quantity == "joint_angle" and not column.rests:
-            first = column.values[np.unique(numbers[column.file][1], return_index=True)[1]]
-            x = first[np.isfinite(first)]
-            if len(x) > 1 and np.mean(np.diff(x) ** 2) > in_order * np.var(x):
-                return True
+    """Return True if an angle that moves is as far from one pose to the next as between any, by (1)."""
+    in_order, moving = (
+        0.5,
+        0.1,
+    )  # ratio (1) up to which rows follow one another; least deviation over the greatest
+    angles = [column for column in columns if column.meaning.quantity == "joint_angle"]
+    size = max((float(np.nanstd(column.values)) for column in angles), default=0.0)
+    for column in (c for c in angles if np.nanstd(c.values) > moving * size):
+        first = column.values[np.unique(numbers[column.file][1], return_index=True)[1]]
+        x = first[np.isfinite(first)]
+        if len(x) > 1 and np.mean(np.diff(x) ** 2) > in_order * np.var(x):
+            return True
     return False
 
 
