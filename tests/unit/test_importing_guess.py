@@ -690,3 +690,19 @@ def test_rows_of_a_motion_that_numbers_count_are_no_poses(logs, rests):
     motion[:, 1] = np.random.default_rng(1).normal(0.0, 1e-3, len(t)) if rests else motion[:, 1]
     write_table(logs / "motion.csv", "nr,pan [deg],lift [deg]", np.arange(len(t))[:, None], motion)
     assert "kind" not in guessed(logs, "motion.csv")[0]
+
+
+@pytest.mark.parametrize("names", ["E,N,H", "Rechtswert [m],Hochwert [m],Höhe [m]"])
+def test_a_total_station_sees_the_tip_of_a_crane(tmp_path, names):
+    """East, north and height are x, y and z; the joints of the crane's loop follow its stroke."""
+    path = Path(__file__).parents[2] / "examples" / "crane.toml"
+    (tmp_path / "crane.toml").write_text(path.read_text())
+    crane, t = Arm.from_toml(path), np.arange(0.0, 12.0, 0.1)
+    stroke = 0.3 + 0.1 * np.sin(0.7 * t) * np.sin(0.31 * t)
+    tip = np.array([flexarm.static(crane, {"piston": s}).position[0] for s in stroke])
+    write_table(tmp_path / "plc.csv", "t_s,stroke_mm", t[:, None], 1e3 * stroke[:, None])
+    write_table(tmp_path / "station.csv", f"t_s,{names}", 4.0 + t[20:, None], tip[20:] + 7.0)
+    data, text = guessed(tmp_path, "plc.csv", "station.csv", model="crane.toml")
+    tip = data["signals"][1]
+    assert (tip["quantity"], tip["columns"]) == ("position", names.split(","))
+    assert "speeds correlate with the model's by 1.00" in text

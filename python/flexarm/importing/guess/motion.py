@@ -9,6 +9,7 @@ the motion and by the correlation of speeds over all lags,
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,8 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.kinematics import link_pose
 from flexarm.arrays import Floats
+from flexarm.errors import InvalidParameter, NotConverged
+from flexarm.statics.batch import StaticsBatch
 
 ALIKE_SPEEDS = 0.8
 """Correlation of speeds from which on a measured motion is taken for one of the model."""
@@ -74,12 +77,34 @@ def rigid_track(
     start = max(track.time[0] for track in joints.values())
     end = min(track.time[-1] for track in joints.values())
     first = next(iter(joints.values()))
+    rows = min(rows, 200) if arm.closures else rows  # each closes the loops anew
     time = first.time if first.poses else np.linspace(start, end, rows)
     values = {name: track.at(time)[:, 0] for name, track in joints.items()}
-    place = arm.point(point)
+    seen = (_of_loops if arm.closures else _of_chain)(arm, point, values)
+    closed = np.isfinite(seen).all(axis=1)
+    if closed.sum() < 2:  # as if the point rested
+        return Track(time[[0, -1]], np.zeros((2, len(axes))), first.poses)
+    return Track(time[closed], seen[closed][:, list(axes)], first.poses)
+
+
+def _of_chain(arm: Arm, point: str, values: Mapping[str, Floats]) -> Floats:
+    """Return where a point of the rigid arm is, shape (n, 3) [m]."""
+    place, count = arm.point(point), len(next(iter(values.values())))
     seen = link_pose(arm, place.link, values).of_point(np.asarray(place.position))
-    seen = np.broadcast_to(seen, (len(time), 3))
-    return Track(time, np.array(seen)[:, list(axes)], first.poses)
+    return np.broadcast_to(seen, (count, 3))
+
+
+def _of_loops(arm: Arm, point: str, values: Mapping[str, Floats]) -> Floats:
+    """Return the same where the arm closes loops and weighs nothing; NaN where these cannot be closed."""
+    statics = StaticsBatch(arm.replace(gravity=(0.0, 0.0, 0.0), effects=()), driven=tuple(values))
+    k = [each.name for each in arm.points].index(point)
+    found = np.full((len(next(iter(values.values()))), 3), np.nan)
+    for row in range(len(found)):
+        with suppress(NotConverged, InvalidParameter):
+            found[row] = statics.at({name: float(each[row]) for name, each in values.items()}).arrays[
+                "position"
+            ][k]
+    return found
 
 
 def agreement(measured: Track, predicted: Track, rows: int = ROWS) -> Agreement:

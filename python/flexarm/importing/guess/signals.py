@@ -14,7 +14,7 @@ from flexarm.arm import Arm
 from flexarm.importing.guess.logged import Logged, counted
 from flexarm.importing.guess.motion import ALIKE_SPEEDS, Track, agreement, rigid_track
 from flexarm.importing.guess.proposal import Proposal, drives_of
-from flexarm.importing.guess.words import VECTORS, matched, words_of
+from flexarm.importing.guess.words import GEODETIC, VECTORS, matched, words_of
 from flexarm.quantities import QUANTITIES
 from flexarm.units import factor_to
 
@@ -71,6 +71,33 @@ def named_after_joints(columns: Sequence[Logged], arm: Arm) -> list[Logged]:
         else column
         for column in columns
         for m in [column.meaning]
+    ]
+
+
+def named_by_direction(columns: Sequence[Logged]) -> list[Logged]:
+    """Return the columns, as coordinates x, y, z those that are named east, north and height together."""
+    groups: dict[tuple[Any, str], dict[str, Logged]] = {}
+    for column in columns:
+        head, _, last = column.meaning.stem.rpartition(" ")
+        last = column.meaning.axis or last
+        for axis in (a for a, words in GEODETIC.items() if last in words):
+            groups.setdefault((column.kind, head), {})[axis] = column
+    whole = {
+        id(column): axis
+        for group in groups.values()
+        if len(group) == len("xyz")
+        for axis, column in group.items()
+    }
+    return [
+        replace(
+            c,
+            meaning=replace(
+                c.meaning, quantity="position", axis=whole[id(c)], stem="", why="east, north, height"
+            ),
+        )
+        if id(c) in whole
+        else c
+        for c in columns
     ]
 
 

@@ -41,6 +41,12 @@ STAMPS = (
     "zeitstempel",
 )
 AXES = "xyzw"
+GEODETIC = {
+    "x": ("e", "east", "easting", "rechtswert", "ostwert"),
+    "y": ("n", "north", "northing", "hochwert", "nordwert"),
+    "z": ("h", "u", "up", "height", "elevation", "hohe", "z"),
+}
+"""Words of coordinates of a total station, by axis."""
 SPELT = {"dps": "deg/s", "radps": "rad/s", "mps2": "m/s2", "mss": "m/s2"}
 """Ends of names, as loggers spell units that a name cannot hold."""
 SENSED = {"a": "acceleration", "g": "angular_rate", "w": "angular_rate", "q": "orientation", "f": "force"}

@@ -24,6 +24,7 @@ from flexarm.importing.guess.settled import settle_motion, settle_noise, settle_
 from flexarm.importing.guess.signals import (
     joint_signals,
     named_after_joints,
+    named_by_direction,
     of_joint_type,
     point_signals,
     settle_doubles,
@@ -48,7 +49,7 @@ def guess_map(files: Iterable[Path], model: str | Path, out: str | Path) -> str:
         for path in map(Path, files)
         for column in logged(path, os.path.relpath(path.absolute(), folder).replace(os.sep, "/"))
     ]
-    columns = as_poses(named_after_joints(columns, arm))
+    columns = as_poses(named_after_joints(named_by_direction(columns), arm))
     stamped = [c for c in columns if c.time.column is not None or c.time.poses] or columns
     proposals = [*joint_signals(stamped, arm), *point_signals(stamped, arm)]
     settle_places(proposals, arm)
