@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import flexarm
 from flexarm import InvalidFile, Record
@@ -204,6 +205,41 @@ point = "tip"
     signal = imported(tmp_path, text, log_csv="qw,qx,qy,qz\n1,0,0,0\n0.8,0.6,0,0\n").signals["tip"]
     assert signal.values.tolist() == [[0, 0, 0, 1], [0.6, 0, 0, 0.8]]
     assert signal.time.tolist() == [0, 0.004]
+
+
+@pytest.mark.parametrize(
+    ("form", "head", "row", "unit"),
+    [
+        ("ZYX", "A,B,C", "30,-20,10", "deg"),
+        ("xyz", "roll_rad,pitch_rad,yaw_rad", "0.17453293,-0.34906585,0.52359878", "rad"),
+        ("vector", "rx,ry,rz", "{}", "rad"),
+        ("matrix", "a,b,c,d,e,f,g,h,i", "{}", ""),
+    ],
+)
+def test_rotations_come_as_angles_vectors_and_matrices(tmp_path, form, head, row, unit):
+    """The same turn in each form; a row of zeros in a matrix, or an empty one, is none."""
+    true = Rotation.from_euler("ZYX", [30, -20, 10], degrees=True)
+    numbers = {"vector": true.as_rotvec(), "matrix": true.as_matrix().ravel()}.get(form, ())
+    row = row.format(",".join(f"{each:.10f}" for each in numbers))
+    names = ", ".join(f'"{name}"' for name in head.split(","))
+    text = f"""
+format = "flexarm-map/1"
+[[signals]]
+name = "tip"
+source = "log.csv"
+time = {{ rate_hz = 250 }}
+columns = [{names}]
+rotation = "{form}"
+quantity = "orientation"
+point = "tip"
+{f'unit = "{unit}"' if unit == "deg" else ""}
+"""
+    none = ",".join(["0" if form == "matrix" else "nan"] * len(head.split(",")))
+    signal = imported(tmp_path, text, log_csv=f"{head}\n{row}\n{none}\n").signals["tip"]
+    np.testing.assert_allclose(signal.values[0], true.as_quat(), atol=1e-8)
+    assert np.isnan(signal.values[1]).all()
+    [said] = problems(tmp_path, text.replace(f'"{form}"', '"zy"'))
+    assert 'an order of angles such as "xyz" or "ZYX"' in said
 
 
 def test_a_mounted_sensor_turns_into_the_axes_of_its_signal(tmp_path):

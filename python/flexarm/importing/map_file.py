@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from math import pi
 from pathlib import Path
@@ -25,6 +26,8 @@ KEYS_OF_KIND = {
     "frequency_response": ("frequency", "frequency_unit", "response", "phase_unit", "coherence", "averages"),
 }
 """Keys that tell rows of a record of one kind apart, and say what they hold."""
+FORMS_OF_ROTATIONS = {"quaternion": 4, "matrix": 9, "vector": 3}
+"""Columns of an orientation, by its form; angles have three."""
 
 
 class Every(Table):
@@ -59,6 +62,13 @@ def _time(value: Any) -> Any:
     if isinstance(value, list | tuple) and value:
         return tuple(_column(column) for column in value)
     return value if isinstance(value, Every) else _column(value)
+
+
+def _rotation(value: Any) -> Any:
+    if value not in FORMS_OF_ROTATIONS and not re.fullmatch("[xyz]{3}|[XYZ]{3}", str(value)):
+        what = 'must be "quaternion", "matrix", "vector", or an order of angles such as "xyz" or "ZYX"'
+        raise ValueError(f"{what}, got {value!r}")
+    return value
 
 
 def _as_tuple(value: Any) -> Any:
@@ -142,6 +152,9 @@ class SignalMap(Measurement):
     move."""
     quaternion: Literal["xyzw", "wxyz"] = "xyzw"
     """Order of the columns of an orientation."""
+    rotation: Annotated[str, BeforeValidator(_rotation)] = "quaternion"
+    """What these are: "matrix" goes row by row, "vector" is the axis times the angle; of angles the order,
+    "xyz" about axes at rest (roll, pitch, yaw), "ZYX" about those that turn."""
     mount: Vector3 | None = value_in("rad", "roll, pitch, yaw of the sensor", None)
     """In the axes of its signal [rad]; columns are the x, y, z of a sensor of three axes then."""
     csv: Dialect = Dialect()
@@ -168,6 +181,8 @@ class SignalMap(Measurement):
                 what = 'a torque constant makes a current a torque; needed is quantity = "motor_torque"'
                 raise InvalidParameter(f"{what}, got {self.quantity!r}")
             return "N m", unit.torque_constant
+        if self.rotation not in ("quaternion", "matrix"):
+            return self.spec.units[0], si_factor("rad" if unit is None else unit, ("rad",))[1]
         if unit is not None and factor_to("Pa", unit) is not None:
             what = (
                 f"unit {unit!r} is of a pressure; `sum` with areas as `scale` gives the force of a cylinder"
@@ -184,6 +199,7 @@ class SignalMap(Measurement):
         if self.bare and self.quantity in INPUTS:
             return []
         wanted = self.spec.channels or len(self.directions)
+        wanted = FORMS_OF_ROTATIONS.get(self.rotation, 3) if self.quantity == "orientation" else wanted
         wanted = 3 if self.mount is not None else wanted
         wanted = 2 * wanted if self.input is not None and self.response != "complex" else wanted
         found: list[tuple[tuple[str, ...], str]] = []
@@ -224,6 +240,8 @@ class SignalMap(Measurement):
             found.append((("mount",), f"{self.quantity} has no three axes that a mount could turn"))
         if self.quaternion != "xyzw" and self.quantity != "orientation":
             found.append((("quaternion",), f"{self.quantity} is no quaternion; only orientation is"))
+        if self.rotation != "quaternion" and self.quantity != "orientation":
+            found.append((("rotation",), f"{self.quantity} is no rotation; only orientation is"))
         if self.before_gear and not self.spec.has_side:
             what = "is before no gear; only joint_angle, joint_rate and motor_torque are"
             found.append((("before_gear",), f"{self.quantity} {what}"))

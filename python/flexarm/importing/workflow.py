@@ -333,6 +333,23 @@ def _si_unit(table: SignalMap, arm: Arm | None) -> str:
     return table.spec.units[-1]
 
 
+def _quaternions(values: Floats, form: str) -> Floats:
+    """Return quaternions x, y, z, w of a form of rotations, angles in rad; NaN where a row holds none."""
+    from scipy.spatial.transform import Rotation
+
+    found = np.full((len(values), 4), np.nan)
+    sound = np.flatnonzero(np.isfinite(values).all(axis=1))
+    if form == "matrix":
+        matrices = values.reshape(-1, 3, 3)
+        sound = sound[np.linalg.det(matrices[sound]) > 0]
+        found[sound] = Rotation.from_matrix(matrices[sound]).as_quat()
+    elif form == "vector":
+        found[sound] = Rotation.from_rotvec(values[sound]).as_quat()
+    else:
+        found[sound] = Rotation.from_euler(form, values[sound]).as_quat()
+    return found
+
+
 def _in_si(table: SignalMap, values: Floats, arm: Arm | None) -> Floats:
     """Return values in SI: by the gear, then scale x value + offset in the unit, then to SI."""
     if table.before_gear and arm is not None and table.joint is not None:
@@ -346,7 +363,9 @@ def _in_si(table: SignalMap, values: Floats, arm: Arm | None) -> Floats:
         values = values.sum(axis=1, keepdims=True)
     if (factor := table.si[1]) != 1.0:
         values = values * factor
-    if table.quaternion == "wxyz":
+    if table.rotation != "quaternion":
+        values = _quaternions(values, table.rotation)
+    elif table.quaternion == "wxyz":
         values = values[:, [1, 2, 3, 0]]
     if table.mount is not None:
         values = (values @ np.array(from_rpy(table.mount)).T)[:, ["xyz".index(axis) for axis in table.axes]]
