@@ -26,7 +26,15 @@ FACTORS: dict[str, dict[str, float]] = {
         "rev": 2 * pi,
         "turn": 2 * pi,
     },
-    "rad/s": {"rad/s": 1, "mrad/s": 1e-3, "deg/s": _DEGREE, "°/s": _DEGREE, "rpm": pi / 30, "rev/s": 2 * pi},
+    "rad/s": {
+        "rad/s": 1,
+        "mrad/s": 1e-3,
+        "deg/s": _DEGREE,
+        "°/s": _DEGREE,
+        "dps": _DEGREE,
+        "rpm": pi / 30,
+        "rev/s": 2 * pi,
+    },
     "m/s": {"m/s": 1, "mm/s": 1e-3, "cm/s": 1e-2},
     "m/s2": {"m/s2": 1, "m/s²": 1, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
     "N m": {"N m": 1, "mN m": 1e-3, "kN m": 1e3},
@@ -55,31 +63,30 @@ def factor_to(si: str, unit: str) -> float | None:
     return {_normal(name): factor for name, factor in FACTORS[si].items()}.get(_normal(unit))
 
 
-_ENDINGS = {
-    "m": ("m",),
-    "mm": ("mm",),
-    "cm": ("cm",),
-    "deg": ("deg", "°"),
-    "rad": ("rad",),
-    "mrad": ("mrad",),
-    "dps": ("deg/s", "°/s"),
-    "rpm": ("rpm",),
-    "ms": ("ms",),
-    "us": ("us", "µs"),
-}
-"""Ends of names of columns that say a unit, and how files write it."""
+def unit_in_name(column: str) -> str:
+    """Return the unit in which the name of a column ends, empty if in none.
+
+    >>> unit_in_name("q_deg"), unit_in_name("rate_deg_s"), unit_in_name("joint_1")
+    ('deg', 'deg/s', '')
+    """
+    *_, before, last = ["", *column.split("_")]
+    ends = (f"{before}/{last}", last if last.strip("-%1") else "")
+    return next((end for end in ends if end and any(factor_to(si, end) is not None for si in FACTORS)), "")
 
 
 def contradicted_unit(column: str, unit: str) -> str:
     """Return what is to be said of a column whose name ends in another unit than its own, else nothing.
 
+    Letters and words that may mean something else count as units of the same kind only, such as `T_N_m`.
+
     >>> contradicted_unit("q_deg", "rad")
     "column 'q_deg' ends in 'deg', but its unit is 'rad'"
     """
-    ending = column.rpartition("_")[2]
-    told = _ENDINGS.get(ending)
-    other = ending == "m" and factor_to("m", unit) is None  # such as N_m, of another kind
-    if told is None or unit in told or other:
+    ending = unit_in_name(column)
+    factors = ((factor_to(si, ending), factor_to(si, unit)) for si in FACTORS)
+    alike = next((pair for pair in factors if None not in pair), None)
+    ambiguous = len(ending) < 2 or ending in ("in", "min", "rev", "turn", "bar")
+    if not ending or (ambiguous if alike is None else alike[0] == alike[1]):
         return ""
     return f"column {column!r} ends in {ending!r}, but its unit is {unit!r}"
 

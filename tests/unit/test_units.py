@@ -7,7 +7,7 @@ from pytest import approx
 
 from flexarm.errors import InvalidParameter
 from flexarm.quantities import QUANTITIES
-from flexarm.units import FACTORS, factor_to, si_factor
+from flexarm.units import FACTORS, contradicted_unit, factor_to, si_factor
 
 
 @pytest.mark.parametrize(
@@ -41,3 +41,22 @@ def test_every_quantity_is_measured_in_a_known_si_unit() -> None:
     for quantity in QUANTITIES.values():
         for unit in quantity.units:
             assert FACTORS[unit][unit] == 1
+
+
+@pytest.mark.parametrize(
+    ("column", "unit", "ending"),
+    [
+        ("a_g", "m/s2", "g"),
+        ("rate_deg_s", "rad/s", "deg/s"),
+        ("stamp_ns", "s", "ns"),
+        ("d_mm", "rad", "mm"),
+        ("joint_A", "rad", ""),
+        ("T_N_m", "N m", ""),
+        ("strain_1", "um/m", ""),
+        ("v_m_s", "m/s", ""),
+    ],
+)
+def test_a_name_contradicts_a_unit_where_it_ends_in_another(column: str, unit: str, ending: str) -> None:
+    """A letter is a unit only among those of its own kind: the A of a joint is no ampere."""
+    said = contradicted_unit(column, unit)
+    assert said == (f"column {column!r} ends in {ending!r}, but its unit is {unit!r}" if ending else "")

@@ -16,6 +16,7 @@ from flexarm.errors import InvalidParameter
 from flexarm.output import output_file, write_file
 from flexarm.record.signal import Signal
 from flexarm.tables import toml_text
+from flexarm.units import contradicted_unit
 
 if TYPE_CHECKING:
     from flexarm.record.record import Record
@@ -64,21 +65,14 @@ def _place(signal: Signal) -> Signal:
     made = tuple(f"{name}_{suffix}" if suffix else name for name in names)
     if signal.input:
         made = tuple(f"{name}_{part}" for name in names for part in ("real", "imaginary"))
-    channels = (
-        signal.channels if signal.channels and not any(map(_names_other_unit, signal.channels)) else made
-    )
+    contradicted = any(contradicted_unit(name, signal.unit) for name in signal.channels)
+    channels = made if contradicted or not signal.channels else signal.channels
     stamps = signal.time_column or "time_s"
-    stamps = "time_s" if _names_other_unit(stamps) else stamps
+    stamps = "time_s" if contradicted_unit(stamps, "s") else stamps
     stamps = "pose" if signal.pose is not None and stamps == "time_s" else stamps
     stamps = "hz" if signal.frequency is not None and stamps == "time_s" else stamps
     plain = Path(signal.file).name if signal.file else f"{signal.name}.csv"
     return signal.replace(channels=channels, file=plain, time_column=stamps)
-
-
-def _names_other_unit(column: str) -> bool:
-    """Return True if the name of a column ends in a unit that is not SI."""
-    others = "mm cm um km in deg mrad urad arcmin arcsec rev ms us rpm g kN mV A mA bar kPa MPa"
-    return column.rpartition("_")[2] in others.split() or column.endswith(("_deg_s", "_mm_s", "_rev_s"))
 
 
 def _share_out(signals: list[Signal]) -> dict[str, list[Signal]]:
