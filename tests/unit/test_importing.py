@@ -570,7 +570,11 @@ def test_stamps_of_several_columns_need_their_form(tmp_path):
     ("before", "after", "said"),
     [
         ('"angle"', '"q_deg"', "signals.hinge: column 'q_deg' ends in 'deg', but its unit is 'rad'"),
-        ('"time"', '"t_ms"', "signals.hinge: column 't_ms' ends in 'ms', but its unit is 's'"),
+        (
+            '"time"',
+            '"t_ms"\ntime_unit = "s"',
+            "signals.hinge: column 't_ms' ends in 'ms', but its unit is 's'",
+        ),
         ('"angle"]', '"q_deg"]\nunit = "deg"', None),
         ('"angle"]', '"q_deg"]\nscale = 0.0174533', None),
         ('"time"', '"t_ms"\ntime_unit = "ms"', None),
@@ -581,6 +585,17 @@ def test_a_column_named_after_another_unit_is_told(tmp_path, before, after, said
     rows = ROWS.replace("angle", "q_deg") if "q_deg" in after else ROWS.replace("time", "t_ms")
     notes = imported(tmp_path, HINGE.replace(before, after), log_csv=rows).notes
     assert [str(note) for note in notes] == ([] if said is None else [said])
+
+
+@pytest.mark.parametrize(
+    ("column", "factor"),
+    [("t_ms", 1e-3), ("stamp_ns", 1e-9), ("timeUs", 1e-6), ("time_msec", 1e-3), ("t_min", 60), ("t_h", 1)],
+)
+def test_stamps_have_the_unit_in_which_the_name_of_their_column_ends(column, factor, tmp_path):
+    rows = "STAMP,angle\n0,0.1\n1000,0.2\n".replace("STAMP", column)
+    for time in (f'"{column}"', "1"):
+        record = imported(tmp_path, HINGE.replace('"time"', time), log_csv=rows)
+        assert record.signals["hinge"].time == pytest.approx([0, 1000 * factor]) and not record.notes
 
 
 def test_a_pressure_is_told_how_it_becomes_a_force(tmp_path):

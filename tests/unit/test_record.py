@@ -79,6 +79,22 @@ def test_milliseconds_become_seconds(record_dir: Path, record_files: dict[str, s
     assert Record.load(record_dir).signals["hinge"].time == approx([0, 0.004, 0.008])
 
 
+def test_stamps_without_a_unit_have_that_of_the_name_of_their_column(
+    record_dir: Path, record_files: dict[str, str]
+) -> None:
+    """A column called time_ms holds milliseconds; another unit stated beside it is told."""
+    toml = record_files["record.toml"].replace("time_s", "time_ms", 1)
+    (record_dir / "encoder.csv").write_text("time_ms,encoder_deg\n0,1\n4,2\n8,3\n")
+    (record_dir / "record.toml").write_text(toml)
+    record = Record.load(record_dir)
+    assert record.signals["hinge"].time == approx([0, 0.004, 0.008])
+    assert not [note for note in record.notes if "time_ms" in str(note)]
+    (record_dir / "record.toml").write_text(toml.replace('unit = "deg"', 'unit = "deg"\ntime_unit = "s"'))
+    record = Record.load(record_dir)
+    assert record.signals["hinge"].time == approx([0, 4, 8])
+    assert [note for note in record.notes if "'time_ms' ends in 'ms', but its unit is 's'" in str(note)]
+
+
 def test_empty_cells_and_nan_are_drop_outs(record_dir: Path) -> None:
     tip = Record.load(record_dir).signals["tip"]
     assert tip.valid.tolist() == [True, False, False]
@@ -254,9 +270,11 @@ def test_any_names_of_poses_and_columns_survive_writing_and_reading(poses, tmp_p
 
 @pytest.mark.parametrize("column", ["i_mA", "angle_arcmin", "rate_deg_s"])
 def test_a_column_is_not_saved_in_si_under_the_name_of_another_unit(column, tmp_path: Path) -> None:
-    tip = Signal(name="tip", quantity="joint_angle", joint="a", values=[1.0], time=[0.0], channels=(column,))
+    tip = Signal(name="tip", quantity="joint_angle", joint="a", values=[1.0, 2.0], time=[0.0, 3.0],
+                 channels=(column,), time_column="stamp_ns")  # fmt: skip
     Record(signals=[tip]).save(tmp_path / "run")
-    assert Record.load(tmp_path / "run").signals["tip"].channels == ("tip_rad",)
+    again = Record.load(tmp_path / "run").signals["tip"]
+    assert again.channels == ("tip_rad",) and again.time.tolist() == [0, 3]
 
 
 def test_names_of_columns_that_would_not_read_back_are_refused(tmp_path: Path) -> None:

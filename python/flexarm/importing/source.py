@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
-from flexarm.importing.time_unit import seconds_of
+from flexarm.importing.time_unit import last_word, seconds_of
 
 if TYPE_CHECKING:
     from flexarm.importing.map_file import Dialect
@@ -53,6 +53,8 @@ class Request:
     """Key of the map and a column that tells rows apart: poses, and what they are chosen by."""
     stamps_are_text: bool = False
     """True if stamps are read as text."""
+    time_unit: str | None = None
+    """Unit of the stamps as the map states it."""
 
     @property
     def time_columns(self) -> tuple[str | int, ...]:
@@ -212,11 +214,10 @@ class Source(ABC):
             return found.astype(kind).astype(np.int64), "ns"
         if found.dtype.kind not in "iu":
             found = as_numbers(found, lambda row: self.place(topic, row), f"column {column!r}", "time")
-        unit = self.time_unit(topic, index)
-        bracketed = re.search(r"[\[(]([^\[\]()]+)[\])]\s*$", self.names(topic)[index])
-        if not unit and bracketed and seconds_of(bracketed[1]) is not None:
-            unit = bracketed[1]
-        return found, unit or None
+        unit, name = self.time_unit(topic, index), self.names(topic)[index]
+        bracketed = re.search(r"[\[(]([^\[\]()]+)[\])]\s*$", name)
+        named = bracketed[1] if bracketed else "" if request.time_unit else last_word(name)
+        return found, unit or (named if seconds_of(named) is not None else None)
 
     def _joined(self, topic: str | None, columns: Sequence[str | int]) -> Array:
         """Return texts of several columns, joined by blanks."""

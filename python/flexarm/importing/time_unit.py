@@ -20,6 +20,16 @@ _LONGER = {"mins?|minutes?": 60.0, "h|hrs?|hours?": 3600.0, "d|days?": 86400.0}
 """Words of longer units -> seconds."""
 
 
+def last_word(name: str) -> str:
+    """Return the last word of a name, empty if it is a single letter, which may mean anything.
+
+    >>> last_word("stamp_ns"), last_word("timeMs"), last_word("t_h")
+    ('ns', 'Ms', '')
+    """
+    word = re.split(r"[\W_]|(?<=[a-z])(?=[A-Z])", name)[-1]
+    return word if len(word) > 1 else ""
+
+
 def seconds_of(unit: str) -> float | None:
     """Return the seconds of a unit of time as logs spell it; None if it is none.
 

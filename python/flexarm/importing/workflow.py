@@ -255,8 +255,8 @@ def _contradictions(table: SignalMap, samples: Samples, arm: Arm | None) -> Iter
     unit = _si_unit(table, arm) if table.unit is None else table.unit
     read = isinstance(unit, str) and table.scale == (1.0,) and table.input is None
     columns = [(each, str(unit)) for each in table.columns if isinstance(each, str) and read]
-    if isinstance(table.time, str) and samples.time_unit is None and table.time_format is None:
-        columns.append((table.time, table.time_unit or "s"))
+    if isinstance(table.time, str) and table.time_unit is not None and samples.time_unit is None:
+        columns.append((table.time, table.time_unit))
     for column, stated in columns:
         if what := contradicted_unit(column, stated):
             yield Problem(f"signals.{table.name}", what)
@@ -277,6 +277,7 @@ def request_of(signal: SignalMap) -> Request:
         None if isinstance(signal.time, Every) else signal.time,
         tuple(others),
         signal.time_format is not None,
+        signal.time_unit,
     )
 
 

@@ -14,7 +14,7 @@ from flexarm.quantities import FRAMED, TORQUE
 from flexarm.record.table import BaseStand, CarriedPayload, Clock, DrawnLink, Frame
 from flexarm.tables import FrozenDict, Inconsistent, Name, Number, Table, Texts, value_in
 from flexarm.tables.table import Numbers, Whole
-from flexarm.units import si_factor
+from flexarm.units import factor_to, si_factor, unit_in_name
 
 
 def _as_clock(value: Any) -> Any:
@@ -51,7 +51,7 @@ class SignalTable(Measurement):
     time: str | None = None
     """Name of the column of stamps; not in a record of poses."""
     time_unit: str = "s"
-    """Unit of the stamps, default s."""
+    """Unit of the stamps, default that in which the name of their column ends, else s."""
     pose: str | None = None
     """Name of the column of poses, in a record of poses."""
     channels: Texts = Field((), description="names of the columns of values")
@@ -87,6 +87,13 @@ class SignalTable(Measurement):
         if self.areas:
             return "N", si_factor(self.unit or "Pa", ("Pa",))[1]
         return (self.spec.units[0], 1.0) if self.input is not None else super().si
+
+    @model_validator(mode="after")
+    def _take_time_unit(self) -> Self:
+        named = unit_in_name(self.time or "")
+        if "time_unit" not in self.model_fields_set and factor_to("s", named) is not None:
+            object.__setattr__(self, "time_unit", named)
+        return self
 
     @model_validator(mode="after")
     def _check_areas(self) -> Self:
