@@ -24,6 +24,7 @@ from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.modal import Modes, modes
 from flexarm.record import Record
 from flexarm.record.plausibility import disjoint_clocks, unknown_motion
+from flexarm.record.time_unit import mismatched_durations
 
 MODES = 3
 NEEDS_ROTATIONS = ("orientation", "inclination", "angular_rate", "acceleration")
@@ -124,10 +125,10 @@ def needed_outputs(records: Iterable[Record]) -> dict[str, Any]:
 def require_known_drive(record: Record) -> None:
     """Refuse a record that shows what its drive does not.
 
-    Raise InvalidParameter if a signal has no instant in common with the drive, or shows a motion while that
-    is unknown.
+    Raise InvalidParameter if a signal has no instant in common with the drive, shows a motion while that is
+    unknown, or has stamps in another unit.
     """
-    for problem in (*disjoint_clocks(record), *unknown_motion(record)):
+    for problem in (*mismatched_durations(record), *disjoint_clocks(record), *unknown_motion(record)):
         raise InvalidParameter(problem.what, where=problem.where)
 
 

@@ -281,6 +281,15 @@ def test_a_drive_with_stamps_in_milliseconds_is_doubted_without_trials(nominal, 
     assert any('time_unit = "ms"' in doubt for doubt in found.doubts)
 
 
+@pytest.mark.parametrize("judge", [flexarm.compare, flexarm.diagnose, flexarm.calibrate])
+def test_a_drive_with_stamps_in_milliseconds_is_not_simulated(nominal, faultless, judge):
+    hinge = faultless.signals["hinge"]
+    slow = hinge.replace(time=1e3 * hinge.time[::20], values=hinge.values[::20])
+    late = faultless.replace(signals={**faultless.signals, "hinge": slow})
+    with pytest.raises(flexarm.InvalidParameter, match=r'1000 times as long as .* say time_unit = "ms"'):
+        judge(nominal, late if judge is flexarm.compare else {"run": late})
+
+
 def test_a_late_clock_does_not_jump(nominal, faultless):
     """Stamps that are 50 ms late all the time are told as that, and left to the alignment."""
     found = check(nominal, [shifted(faultless, lambda t: t + 0.05)])
