@@ -203,7 +203,9 @@ def forward(state: SearchState, best: Fit, about: Estimator, tell: Note) -> tupl
         count = effect_count(best.members, state.places)
         if count >= most_effects(state, best) or not allows(f"effect {count + 1} was looked for"):
             break
-        tell(f"looking for effect {count + 1}", count / (state.criteria.policy.most_effects + 1))
+        sought, share = f"looking for effect {count + 1}", count / (state.criteria.policy.most_effects + 1)
+        tell(sought, share)
+        state.tell = _details(tell, sought, share)
         larger = enlarged(state, best, about)
         if larger is None or not accepted(state.criteria, larger[0], best):
             break
@@ -211,6 +213,11 @@ def forward(state: SearchState, best: Fit, about: Estimator, tell: Note) -> tupl
         if best is state.complete:
             break
     return best, about
+
+
+def _details(tell: Note, sought: str, share: float) -> Callable[[str], object]:
+    """Return a function that tells the fit that is under way."""
+    return lambda what: tell(f"{sought}, {what}", share)
 
 
 def reshaped(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Estimator]:

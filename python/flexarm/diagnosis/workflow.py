@@ -174,7 +174,7 @@ def _diagnosis(
         )
     held, borrowed = impute_noise(checked.records, held)
     parted = split(arm, checked, clean_records(arm, held, step=step, alpha=alpha))
-    tell(0.1, "simulating")
+    tell(0.1, "choosing the time step")
     policy = policy or SelectionPolicy()
     problem = Problem(
         with_zeros(arm, parted.training, policy),
@@ -187,6 +187,7 @@ def _diagnosis(
     problem = with_fine_step(problem, problem.arm)
     remarks = (*remarks, *step_remarks(step, problem.step / FIT.step_ratio))
     step = problem.step / FIT.step_ratio
+    tell(0.12, "errors of drives")
     problem, coarse, input_noise = with_errors_of_drives(problem, seed)
     choice = _chosen(problem, tell)
     out = masked_outliers(choice.best, Criteria(problem, choice.null))
@@ -317,6 +318,7 @@ def _updated(
 
 def _chosen(problem: Problem, tell: Callable[[float, str], object]) -> Choice:
     """Screens all effects at all places, fits what promises most, and chooses."""
+    tell(0.14, "nominal model")
     estimator = Estimator.nominal(problem, nuisance_model(problem)).centred()
     rhythm = dominant_frequencies(estimator.fit(()).projected, problem)
     probed = probe(

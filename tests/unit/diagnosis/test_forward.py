@@ -253,6 +253,21 @@ def test_sets_that_cannot_be_simulated_leave_their_turn_to_the_next(monkeypatch)
     assert names(proposals.fit_sets(estimator, STATE, BARE, 2)) == ["friction", "tilt", "play"]
 
 
+def test_each_fit_of_the_search_is_told(search, monkeypatch):
+    """A search of minutes tells which of its proposals it fits."""
+    shares = [SimpleNamespace(members=(name,), share=0.9) for name in ("tilt", "bow")]
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: False)
+    estimator, told = SimpleNamespace(trial=fits_all, problem=NOTHING), []
+
+    def singles(state, best, about, found):
+        return proposals.fitted(estimator, shares, best, state.criteria, tell=state.tell)
+
+    monkeypatch.setattr(module, "FORWARD", {"singles": singles})
+    module.forward(search[0], search[0].null, estimator, lambda what, done: told.append(what))
+    wanted = ["looking for effect 1, proposal 1 of 2", "looking for effect 1, proposal 2 of 2"]
+    assert told[:3] == ["looking for effect 1", *wanted]
+
+
 def test_sets_that_promise_hardly_anything_are_not_fitted(monkeypatch):
     shares = [SimpleNamespace(members=(name,), share=share) for name, share in (("tilt", 0.2), ("bow", 0.02))]
     monkeypatch.setattr(proposals, "screen_sets", lambda *_: shares)

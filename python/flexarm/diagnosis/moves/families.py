@@ -34,9 +34,8 @@ def families(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fi
     probed = probed_families(about, state.candidates(best, about))
     here = best if best.members else state.start
     shares = one_variant(screen(about, probed, here), policy.proposals)
-    more = fitted(
-        about, rescreened_at_size(about, shares, here)[: policy.proposals // 2], here, criteria, found=found
-    )
+    wanted = rescreened_at_size(about, shares, here)[: policy.proposals // 2]
+    more = fitted(about, wanted, here, criteria, found=found, tell=state.tell)
     return more + _in_place_of_singles(
         about, probed, best, criteria.early_stop([best, *found, *more], state.null, policy.halfway)
     )

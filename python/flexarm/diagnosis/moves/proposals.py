@@ -28,7 +28,7 @@ from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidate import Candidate, is_required
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
-from flexarm.diagnosis.moves.search_state import SearchState, newly_soft_joints
+from flexarm.diagnosis.moves.search_state import SearchState, newly_soft_joints, silent
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.refinement import multi_start
 from flexarm.diagnosis.screening import NONE, Probed, Share, rescreened_at_size, screen, screen_sets
@@ -61,7 +61,7 @@ def singles(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit
         return []
     here = best if best.members else state.start
     probed = state.candidates(best, about)
-    return fit_singles(about, probed, here, state.criteria, state.places, found)
+    return fit_singles(about, probed, here, state.criteria, state.places, found, state.tell)
 
 
 def fit_singles(
@@ -71,6 +71,7 @@ def fit_singles(
     criteria: Criteria,
     places: Mapping[str, str] = NONE,
     found: Sequence[Fit] = (),
+    tell: Callable[[str], object] = silent,
 ) -> list[Fit]:
     """Return fits of the most promising candidates, given the effects of `best`.
 
@@ -81,14 +82,14 @@ def fit_singles(
     policy = criteria.policy
     at_ends = not found or not criteria.adequate(best)
     wanted, others = _screened(estimator, probed, best, places, at_ends)
-    more = fitted(estimator, wanted, best, criteria)
+    more = fitted(estimator, wanted, best, criteria, tell=tell)
     if criteria.all_leave_gaps([*found, *more]) and policy.allows("low_pass"):
         slow = screen(estimator, probed, best, seen=slow_part(estimator.problem))
         slower = [s for s in one_variant(slow, policy.more_proposals) if not _is_fitted(s, best, more)]
-        more += fitted(estimator, slower, best, criteria, found=more)
+        more += fitted(estimator, slower, best, criteria, found=more, tell=tell)
     others = [s for s in others if not (best.members or _is_fitted(s, best, more))]
     if others and criteria.all_leave_gaps([*found, *more]) and policy.allows("second_rank"):
-        more += fitted(estimator, others, best, criteria, found=more)
+        more += fitted(estimator, others, best, criteria, found=more, tell=tell)
     if criteria.all_leave_gaps([*found, *more]):
         more += _multi_started(estimator, more)
     return more
@@ -124,10 +125,11 @@ def fit_sets(estimator: Estimator, state: SearchState, smaller: Fit, size: int) 
     shares = [s for s in screen_sets(estimator, probed, start, size) if s.share > policy.least_reduction]
     ahead = size == 2 or _exceeds_extensions(shares, smaller, policy.alike)
     most, wanted = policy.proposals // 2, one_variant(shares, 2 * policy.proposals) if ahead else []
-    found = fitted(estimator, wanted, start, criteria, most)
+    found = fitted(estimator, wanted, start, criteria, most, tell=state.tell)
     if size == 2 and criteria.all_leave_gaps(found) and policy.allows("low_pass"):
         slow = screen_sets(estimator, probed, start, size, slow_part(estimator.problem))
-        found += fitted(estimator, one_variant(slow, 2 * policy.proposals), start, criteria, most)
+        wanted = one_variant(slow, 2 * policy.proposals)
+        found += fitted(estimator, wanted, start, criteria, most, tell=state.tell)
     return found
 
 
@@ -143,6 +145,7 @@ def fitted(
     criteria: Criteria,
     most: int | None = None,
     found: Sequence[Fit] = (),
+    tell: Callable[[str], object] = silent,
 ) -> list[Fit]:
     """Return fits of the first that can be simulated, until one explains everything and the rest promise far
     less.
@@ -150,12 +153,13 @@ def fitted(
     A fit that does not come halfway to the best so far, those `found` included, is terminated early.
     """
     before, found = found, []
-    for share in wanted:
+    for number, share in enumerate(wanted, 1):
         if len(found) == most or not allows("all proposals were fitted"):
             break
         done = any(criteria.explains(f) for f in found)
         if done and share.share < criteria.policy.faint * wanted[0].share:
             break
+        tell(f"proposal {number} of {len(wanted)}")
         near = criteria.early_stop([*before, *found], best, criteria.policy.halfway)
         try:
             members = (*map(_with_typical_damping, best.members), *share.members)

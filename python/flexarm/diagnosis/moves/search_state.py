@@ -176,6 +176,10 @@ def _from(candidate: Candidate, there: Arm) -> Candidate:
     return replace(candidate, probes=tuple(probes), null=null, without=without)
 
 
+def silent(what: str) -> None:
+    """Take a sentence that nobody reads."""
+
+
 @dataclass(eq=False)
 class SearchState:
     """State of a search."""
@@ -195,6 +199,8 @@ class SearchState:
     """All fits so far."""
     complete: Fit | None = None
     """A model to which no further effect was accepted."""
+    tell: Callable[[str], object] = silent
+    """Receives a sentence on the fit that is under way."""
     _with_springs: dict[frozenset[str], Sequence[Probed]] = field(default_factory=dict)
     _rescreened: dict[frozenset[tuple[str, Place]], Sequence[Probed]] = field(default_factory=dict)
 
