@@ -173,6 +173,15 @@ def test_plot_labels_its_axes_with_units(run):
     plt.close(figure)
 
 
+def test_the_point_that_moves_most_is_drawn(run):
+    """It is the tip, wherever the model names it."""
+    tip = run.arm.points[0]
+    half = tip.replace(name="mid", position=tuple(x / 2 for x in tip.position))
+    motion = drive({"hinge": lambda t: 0.4 * smooth_step(t)}, 1.2, 601)
+    both = flexarm.simulate(run.arm.replace(points=(tip, half)), motion, step=0.05)
+    assert [line.get_label() for line in both.plot().lines] == ["tip x", "tip y", "tip z"]
+
+
 def test_repr_tells_what_it_is(run):
     assert repr(run) == "<Simulation of 'paper': 0 to 1.2 s, 121 instants, points tip>"
 

@@ -182,7 +182,7 @@ class Simulation(Result):
         Parameters
         ----------
         point : str, optional
-            Its name; default: the last. Without points joint angles are drawn.
+            Its name; default: the one that moves most. Without points joint angles are drawn.
         ax : matplotlib Axes, optional
             Where to draw.
 
@@ -197,7 +197,8 @@ class Simulation(Result):
             raise InvalidParameter(missing("point", str(point), self.points), where="point")
         axes = plt.subplots()[1] if ax is None else ax
         if self.points:
-            name = self.points[-1] if point is None else point
+            most = int(np.argmax(np.linalg.norm(np.ptp(self.position, axis=0), axis=1)))
+            name = self.points[most] if point is None else point
             i = self.points.index(name)
             for k, axis in enumerate("xyz"):
                 axes.plot(self.time, self.position[:, i, k], label=f"{name} {axis}")
