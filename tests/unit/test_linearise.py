@@ -461,10 +461,24 @@ def test_python_control_takes_a_model_with_the_names_of_its_signals() -> None:
 def test_a_plot_names_its_units(tmp_path: Path) -> None:
     found = linearise(two_links(), POSE, outputs=["tip", "shoulder"])
     axes = found.plot(input="elbow.angle")
-    assert axes.get_ylabel() == "output over elbow.angle [m/rad]"
+    assert axes.get_ylabel() == "output over elbow.angle\n[m/rad]"
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["tip.x", "tip.y", "tip.z"]
     with pytest.raises(InvalidParameter, match="there is no output 'nose'"):
         found.plot(output="nose")
+
+
+def test_a_plot_shows_the_phase_below_the_magnitude() -> None:
+    """A driven angle moves the tip in phase far below resonance, and against it above."""
+    rod = arm(
+        joints=[hinge("hinge", "rod")],
+        links=[beam("rod", [0, 0, 2.0], TUBE)],
+        points=[point("tip", "rod", [0, 0, 2.0])],
+    )
+    _, phase = linearise(rod, {"hinge": 0.0}, outputs=["tip"]).plot(output="tip.x").figure.axes
+    assert phase.get_xlabel() == "frequency [Hz]" and phase.get_ylabel() == "phase [deg]"
+    degrees = phase.lines[0].get_ydata()
+    assert degrees[0] == approx(0.0, abs=1.0)
+    assert np.abs(degrees).max() > 170
 
 
 def test_a_plot_leaves_out_what_does_not_answer() -> None:
@@ -475,7 +489,7 @@ def test_a_plot_leaves_out_what_does_not_answer() -> None:
         points=[point("tip", "rod", [0, 0, 2.0])],
     )
     axes = linearise(rod, {"hinge": 0.5}, outputs=["hinge", "tip"]).plot()
-    assert axes.get_ylabel() == "output over hinge.angle [m/rad]"
+    assert axes.get_ylabel() == "output over hinge.angle\n[m/rad]"
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["tip.x", "tip.z"]
 
 

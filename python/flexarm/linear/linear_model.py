@@ -200,11 +200,13 @@ class LinearModel(Result):
         return cls(arm=arm, **arrays, **texts)
 
     def plot(self, ax: Axes | None = None, input: str | None = None, output: str | None = None) -> Axes:
-        """Plot the frequency response of an input (default: first) to an output.
+        """Plot magnitude and phase of the frequency response of an input (default: first) to an output.
 
-        Default: all outputs of one unit that answer, of the first unit of which one depends on the frequency.
+        Return the axes of the magnitude; those of the phase stand below. Default: all outputs of one unit
+        that answer, of the first unit of which one depends on the frequency.
         """
         import matplotlib.pyplot as plt
+        from mpl_toolkits.axes_grid1 import make_axes_locatable  # type: ignore[import-untyped]
 
         if not self.input_names:
             raise InvalidParameter("a model without inputs has no frequency response", where="inputs")
@@ -214,16 +216,19 @@ class LinearModel(Result):
         own = np.unique(own[own > 1e-6])
         low, high = (own[0], own[min(len(own), 10) - 1]) if len(own) else (0.1, 10.0)
         frequency = np.asarray(np.geomspace(low / 10, 2 * high, 2000))
-        response = np.abs(self.frequency_response(frequency)[:, :, k])
-        drawn = (
-            self._answering(response) if output is None else [_position(self.output_names, output, "output")]
-        )
+        response = self.frequency_response(frequency)[:, :, k]
+        size, phase = np.abs(response), np.rad2deg(np.unwrap(np.angle(response), axis=0))
+        drawn = self._answering(size) if output is None else [_position(self.output_names, output, "output")]
+        lower = make_axes_locatable(axes).append_axes("bottom", "50%", pad="10%", sharex=axes)
         unit = self.output_units[drawn[0]]
         for i in drawn:
-            axes.loglog(frequency, response[:, i], label=self.output_names[i])
+            axes.loglog(frequency, size[:, i], label=self.output_names[i])
+            lower.semilogx(frequency, phase[:, i])
         below = self.input_units[k]
         below = below if below.isalpha() else f"({below})"
-        axes.set(xlabel="frequency [Hz]", ylabel=f"output over {self.input_names[k]} [{unit}/{below}]")
+        axes.set(ylabel=f"output over {self.input_names[k]}\n[{unit}/{below}]")
+        axes.tick_params(labelbottom=False)
+        lower.set(xlabel="frequency [Hz]", ylabel="phase [deg]")
         axes.legend()
         return axes
 
