@@ -65,6 +65,8 @@ def load(path: str | Path) -> Any:
             files = ", ".join(name for name in _CLASSES if "." in name[1:])
             raise InvalidFile(path, "path", f"is a directory without any of {files}")
         path = path / kind if kind == "simulation.nc" else path
+    elif path.name == "gaps.nc":
+        return load(path.parent)
     elif path.suffix == ".nc":
         kind = kind_of_netcdf(path)
     else:

@@ -417,6 +417,22 @@ def test_the_command_shows_models_runs_and_records(tmp_path, capsys, run):
     assert command(["view", str(tmp_path / "arm.toml"), "--scale", "-1"]) == 2
 
 
+@pytest.mark.parametrize(
+    ("file", "name", "said"),
+    [
+        ("comparison.json", "", "is of `flexarm compare`, whose gap-NAME.png show the gap"),
+        ("comparison.json", "gap-tip.csv", "is of `flexarm compare`, whose gap-NAME.png show the gap"),
+        ("calibration.json", "gaps.nc", "is of `flexarm calibrate`, whose report.html shows it"),
+        ("notes.txt", "", "holds no report.json, simulation.nc or record.toml, which are shown"),
+    ],
+)
+def test_results_without_a_page_tell_where_they_are_seen(file, name, said, tmp_path, capsys):
+    for each in {file, name} - {""}:
+        (tmp_path / each).write_text("")
+    assert command(["view", str(tmp_path / name), "--out", str(tmp_path / "page.html")]) == 2
+    assert said in capsys.readouterr().err
+
+
 def test_only_what_has_a_picture_is_shown():
     with pytest.raises(InvalidParameter, match="view: must be one of Arm, Statics"):
         view(3.0)

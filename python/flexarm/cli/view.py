@@ -19,6 +19,15 @@ if TYPE_CHECKING:
     from flexarm.viewer import View
 
 
+OTHERS = {
+    "comparison.json": "is of `flexarm compare`, whose gap-NAME.png show the gap; "
+    "`flexarm view MODEL --record RECORD` shows measured points beside those of the model",
+    "calibration.json": "is of `flexarm calibrate`, whose report.html shows it; updated.toml can be viewed",
+    "study.json": "is of `flexarm campaign`, whose summary.html shows it",
+}
+"""Files of results that are no page in three dimensions, and where they are seen."""
+
+
 def view(
     path: Annotated[
         Path, typer.Argument(metavar="PATH", help="A model, super-element, result, record or diagnosis.")
@@ -86,12 +95,18 @@ def _view(
     from flexarm.viewer.view import of_record
 
     times: dict[str, Any] = {} if scale is None else {"scale": scale}
-    if path.is_dir() or path.name in ("record.toml", "report.json", "simulation.nc"):
+    inside = ("record.toml", "report.json", "gaps.nc", "simulation.nc", *OTHERS)
+    if path.is_dir() or path.name in inside or path.match("gap-*.csv"):
         folder = path if path.is_dir() else path.parent
-        if path.name == "report.json" or (path.is_dir() and (path / "report.json").is_file()):
+        diagnosed = (path.is_dir() or path.name == "gaps.nc") and (folder / "report.json").is_file()
+        if diagnosed or path.name == "report.json":
             return _of_diagnosis(folder, record, times)
         if path.name != "record.toml" and (folder / "simulation.nc").is_file():
             return _of_result(folder / "simulation.nc", record, times)
+        if path.name != "record.toml" and not (folder / "record.toml").is_file():
+            nothing = "holds no report.json, simulation.nc or record.toml, which are shown"
+            other = next((what for name, what in OTHERS.items() if (folder / name).is_file()), nothing)
+            raise InvalidFile(path, "path", other)
         beside = model or _model_of(folder)
         arm = load_arm(beside)
         measured = _record(path)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import flexarm
+from flexarm.cli.run import run
 from flexarm.effects import SensorOffset
 from flexarm.errors import InvalidFile
 from flexarm.fit_statistics import ChannelStatistics, FitStatistics
@@ -34,6 +35,13 @@ def test_it_says_the_same(pair):
     made, loaded, _ = pair
     assert loaded.summary() == made.summary()
     assert loaded.to_json_dict() == made.to_json_dict()
+
+
+def test_the_file_of_its_gaps_stands_for_a_diagnosis(tmp_path):
+    made = diagnoses.adequate()
+    made.save(tmp_path / "out")
+    assert flexarm.load(tmp_path / "out" / "gaps.nc").summary() == made.summary()
+    assert run(["view", str(tmp_path / "out" / "gaps.nc"), "--out", str(tmp_path / "page.html")]) == 0
 
 
 def test_it_holds_the_same_models_values_and_gaps(pair):
