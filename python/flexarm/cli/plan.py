@@ -8,7 +8,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import flexarm
-from flexarm.cli.options import AllowOutside, Force, Jobs, Json, Model, blame, load_arm, print_json, warn
+from flexarm.cli.options import (
+    AllowOutside,
+    Force,
+    Jobs,
+    Json,
+    Model,
+    Step,
+    blame,
+    load_arm,
+    print_json,
+    refuse_step,
+    warn,
+)
 from flexarm.cli.progress import progress
 from flexarm.cli.records import load_record
 from flexarm.errors import InvalidFile
@@ -38,6 +50,7 @@ def plan(
     out: OutOrNone = None,
     json: Json = False,
     jobs: Jobs = None,
+    step: Step = 4e-3,
     force: Force = False,
     allow_outside: AllowOutside = False,
 ) -> None:
@@ -55,10 +68,11 @@ def plan(
     time_s and one column per driven joint, and is seen by the model's [[sensors]]; without any a tracker of
     the model's last point is assumed (0.05 mm at 10 Hz), and said.
     """
+    refuse_step(step)
     arm = load_arm(model)
     motions = {name: _motion(path, arm) for name, path in _names([*drive, *(more or ())]).items()}
     if out is None:
-        found = _planned(model, arm, motions, jobs, json)
+        found = _planned(model, arm, motions, jobs, step, json)
     else:
         from flexarm.input_files import input_files
         from flexarm.output import output_directory
@@ -67,7 +81,7 @@ def plan(
         records = {name: each for name, each in motions.items() if isinstance(each, Record)}
         read = input_files(model, arm, records)
         with output_directory(out, force, [*drive, *(more or ()), *read.values()]) as directory:
-            found = _planned(model, arm, motions, jobs, json)
+            found = _planned(model, arm, motions, jobs, step, json)
             found.write(directory)
     if json:
         print_json(found.to_json_dict())
@@ -78,11 +92,11 @@ def plan(
 
 
 def _planned(
-    model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: int | None, json: bool
+    model: Path, arm: Arm, motions: dict[str, Motion | Record], jobs: int | None, step: float, json: bool
 ) -> Plan:
     """Return the plan, which tells how far it is."""
     with progress(json) as tell, blame(model):
-        found: Plan = flexarm.plan(arm, motions, n_jobs=jobs, progress=tell)
+        found: Plan = flexarm.plan(arm, motions, n_jobs=jobs, step=step, progress=tell)
     return found
 
 

@@ -94,6 +94,20 @@ def refused(arguments, capsys):
     return code, told.err
 
 
+def test_the_step_of_the_simulations_can_be_chosen(bench, monkeypatch, capsys):
+    steps = []
+
+    def plan(arm, motions, *, step, **options):
+        steps.append(step)
+        raise flexarm.NotConverged("no equilibrium", time=0.0, iteration=1, residual=1.0)
+
+    monkeypatch.setattr(flexarm, "plan", plan, raising=False)
+    assert run(command(bench, "--step", "0.001")) == 3
+    capsys.readouterr()
+    code, err = refused(command(bench, "--step", "0"), capsys)
+    assert steps == [0.001] and code == 2 and "--step: must be positive" in err
+
+
 def test_an_occupied_directory_is_refused(bench, tmp_path, capsys):
     (tmp_path / "mine.txt").write_text("mine")
     code, err = refused(command(bench, "--out", str(tmp_path)), capsys)
