@@ -52,6 +52,16 @@ def scale(values: Iterable[float | None], unit: str) -> tuple[float, str]:
     return 10.0**-power, _PREFIXES[power] + shown
 
 
+def labelled_scale(values: Iterable[float | None], unit: str) -> tuple[float, str]:
+    """Return the same for a label, in which a dash stands for no unit.
+
+    >>> labelled_scale([3.2e-3], "m"), labelled_scale([3.2e-3], "1")
+    ((1000.0, 'mm'), (1.0, '-'))
+    """
+    factor, shown = scale(values, unit)
+    return factor, shown or "-"
+
+
 def number(value: float | None, digits: int = 3) -> str:
     """Significant digits without an exponent where that stays short; a dash for what is not known.
 

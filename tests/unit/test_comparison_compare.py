@@ -350,6 +350,8 @@ def test_every_kind_of_sensor_can_be_compared():
         ), gap.name
     assert found.signals["pose"].unit == "rad"
     assert found.signals["imu"].rms["y"] is None
+    assert "gauge [-]" in found.summary()
+    assert found.plot(signal="gauge").get_ylabel() == "gauge: measured - model [-]"
 
 
 def test_what_may_ring_the_model_alone_is_said(run):

@@ -16,7 +16,7 @@ from flexarm.comparison.files import SavedGap
 from flexarm.comparison.gap import SignalGap
 from flexarm.errors import InvalidParameter
 from flexarm.json_values import plain
-from flexarm.wording import number, scale
+from flexarm.wording import labelled_scale, number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -118,7 +118,7 @@ class Comparison(SavedGap):
         rows = [["rms", "unit", *names, "total", "noise", "max"]]
         for gap in self.signals.values():
             cells = [gap.rms.get(name) for name in [*names, "total"]] + [gap.noise_rms, gap.max["total"]]
-            factor, unit = scale(cells[:-2], gap.unit)
+            factor, unit = labelled_scale(cells[:-2], gap.unit)
             label = f"{gap.name} (drive)" if gap.is_drive else gap.name
             rows.append([label, unit, *("-" if c is None else number(factor * c) for c in cells)])
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -134,7 +134,7 @@ class Comparison(SavedGap):
         """Return lines of the total rms by band."""
         lines = []
         for gap in self.evidence.values():
-            factor, unit = scale([band.rms for band in gap.bands], gap.unit)
+            factor, unit = labelled_scale([band.rms for band in gap.bands], gap.unit)
             parts = [f"{band.low:.3g}-{band.high:.3g} Hz: {number(factor * band.rms)}" for band in gap.bands]
             if parts:
                 lines.append(f"{gap.name} [{unit}]  " + "   ".join(parts))
@@ -159,7 +159,7 @@ class Comparison(SavedGap):
 
         gap = self._gap(signal)
         axes = plt.subplots()[1] if ax is None else ax
-        factor, unit = scale([gap.max["total"]], gap.unit)
+        factor, unit = labelled_scale([gap.max["total"]], gap.unit)
         parts = [name for name, part in gap.parts.items() if part is not None]
         for name in parts:
             time, part = gap.line(name)

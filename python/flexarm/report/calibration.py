@@ -36,7 +36,7 @@ from flexarm.report.gap_figures import AFTER, gaps_along
 from flexarm.report.report_file import Entry, GapsEntry, gaps_of, provenance_of
 from flexarm.report.sentences import gap_tables
 from flexarm.report.storage import GAPS, MODEL, gap_contents
-from flexarm.wording import effect_words, interval, number, scale, with_unit
+from flexarm.wording import effect_words, interval, labelled_scale, number, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -96,7 +96,7 @@ def members(found: Calibration, family: CalibratedFamily) -> Figure:
     """Return the members of a family with 90 % intervals."""
     keys = [f"effects.{family.effect}.{at}.{family.parameter}" for at in family.at]
     estimates = [found.parameter(key) for key in keys]
-    factor, unit = scale([each.value for each in estimates], family.unit)
+    factor, unit = labelled_scale([each.value for each in estimates], family.unit)
     figure, axes = sheet(1, 1, 0.2 * len(keys) + 0.2, left=margin_for(family.at), legend=False)
     ax = axes[0, 0]
     if family.shared is not None:
@@ -108,7 +108,7 @@ def members(found: Calibration, family: CalibratedFamily) -> Figure:
         ax.plot([factor * each.low90, factor * each.high90], [k, k], "|-", ms=6, color=colour)
         ax.plot([factor * each.value], [k], "o", ms=4, color=colour)
     ax.set(yticks=range(len(keys)), yticklabels=list(family.at), ylim=(len(keys) - 0.5, -0.5))
-    ax.set_xlabel(f"{family.parameter} [{unit or '-'}]")
+    ax.set_xlabel(f"{family.parameter} [{unit}]")
     ax.set_title(effect_words(family.effect))
     if family.shared is not None:
         log_if_wide(ax, "x", [factor * end for each in estimates for end in (each.low90, each.high90)])

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.report.files import drawn, filled, legend_below, margin_for, sheet
-from flexarm.wording import number, scale, with_unit
+from flexarm.wording import labelled_scale, number, scale, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -92,7 +92,7 @@ def _target_row(target: Target) -> dict[str, Any]:
 
 def _cost_rows(f: Findings, cost: Cost) -> dict[str, Any]:
     """Return what each parameter costs as texts, the greatest first."""
-    factor, unit = scale([cost.rms], cost.unit)
+    factor, unit = labelled_scale([cost.rms], cost.unit)
     least = number(factor * cost.rms * cost.chance**0.5, 2)
     rows = [
         (f.parameters[k][0], number(factor * float(cost.each[k])), f"{100 * cost.first[k]:.1f} %")
@@ -104,7 +104,7 @@ def _cost_rows(f: Findings, cost: Cost) -> dict[str, Any]:
     rows.append(("interactions and chance", number(factor * cost.rms * rest**0.5), f"{100 * rest:.0f} %"))
     return {
         "name": cost.name,
-        "unit": unit or "-",
+        "unit": unit,
         "rows": [*rows, ("all", number(factor * cost.rms), "100 %")],
     }
 
@@ -154,7 +154,7 @@ def _histograms(targets: Sequence[Target]) -> Figure:
     rows = -(-len(targets) // columns)
     figure, axes = sheet(rows, columns, 1.3, between=(0.5, 0.75), legend=False)
     for ax, each in zip(axes.flat, targets, strict=False):
-        factor, unit = scale(each.quantiles, each.unit)
+        factor, unit = labelled_scale(each.quantiles, each.unit)
         ax.hist(factor * each.values, bins=min(40, max(8, len(each.values) // 20)), color=BLUE, alpha=0.6)
         for at in each.quantiles[[0, 2, 4]]:
             ax.axvline(factor * at, color="black", lw=0.8)
@@ -162,7 +162,7 @@ def _histograms(targets: Sequence[Target]) -> Figure:
             ax.axvline(factor * each.nominal, color="black", lw=0.8, ls="--")
         ax.set_title(each.name)
         short = each.name.split("_")[-1] if len(each.name) > 18 else each.name  # a narrow axis holds a word
-        ax.set_xlabel(f"{short} [{unit or '-'}]")
+        ax.set_xlabel(f"{short} [{unit}]")
     for ax in axes[:, 0]:
         ax.set_ylabel("runs")
     for ax in list(axes.flat)[len(targets) :]:
@@ -211,14 +211,14 @@ def _bands(bands: Sequence[Band]) -> Figure:
         len(bands), 1, 1.15, between=(0.0, 0.45), sharex=len({len(b.time) for b in bands}) == 1
     )
     for ax, each in zip(axes[:, 0], bands, strict=True):
-        factor, unit = scale(each.quantiles.ravel(), each.unit)
+        factor, unit = labelled_scale(each.quantiles.ravel(), each.unit)
         low, quarter, median, upper, high = factor * each.quantiles
         ax.fill_between(each.time, low, high, color=BLUE, alpha=0.2, lw=0, label="90 % of the runs")
         ax.fill_between(each.time, quarter, upper, color=BLUE, alpha=0.4, lw=0, label="50 %")
         ax.plot(each.time, median, color=BLUE, label="median")
         ax.axhline(0.0, color="black", lw=0.8, ls="--", label="nominal run")
         ax.set_title(each.name)
-        ax.set_ylabel(f"deviation [{unit or '-'}]")
+        ax.set_ylabel(f"deviation [{unit}]")
     axes[-1, 0].set_xlabel("time [s]")
     legend_below(figure, axes[0, 0])
     return figure
@@ -227,7 +227,7 @@ def _bands(bands: Sequence[Band]) -> Figure:
 def _trends(trends: Sequence[Trend], time: str) -> Figure:
     figure, axes = sheet(len(trends), 1, 1.5, between=(0.0, 0.45), legend=False, sharex=True)
     for ax, each in zip(axes[:, 0], trends, strict=True):
-        factor, unit = scale(each.value, each.unit)
+        factor, unit = labelled_scale(each.value, each.unit)
         groups = list(dict.fromkeys(each.group))
         for name in groups[:10]:
             rows = np.array([group == name for group in each.group])
@@ -237,7 +237,7 @@ def _trends(trends: Sequence[Trend], time: str) -> Figure:
         line = each.mean + each.slope * (t - each.time.mean())
         ax.plot(t, factor * line, color="black", lw=1.6)
         ax.set_title(each.name)
-        ax.set_ylabel(f"value [{unit or '-'}]")
+        ax.set_ylabel(f"value [{unit}]")
     axes[-1, 0].set_xlabel(
         "time since the first date [year]" if time == "year" else f"{time} since the first"
     )

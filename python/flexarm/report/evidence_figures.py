@@ -11,7 +11,7 @@ from flexarm.named_effects import NORMAL_90, NamedEffect, Place
 from flexarm.report.files import BOTTOM, LEFT, TOP, legend_below, margin_for, sheet, write_beside
 from flexarm.report.gap_figures import AFTER, BEFORE, along, draw, label, sides, worst
 from flexarm.report.state_figures import draw_of_effect
-from flexarm.wording import place_words, probability, scale, with_unit
+from flexarm.wording import labelled_scale, place_words, probability, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,7 +85,7 @@ def draw_constancy(ax: Axes, d: Diagnosis, entry: Any) -> None:
     values = {name: (float(value), float(std)) for name, (value, std) in entry["values"].items()}
     estimates = (each for effect in d.effects if _is_of(entry, effect) for each in effect.parameters)
     joint = next((each for each in estimates if each.name == entry["parameter"]), None)
-    factor, unit = scale([value for value, _ in values.values()], entry["unit"])
+    factor, unit = labelled_scale([value for value, _ in values.values()], entry["unit"])
     if joint is not None:
         ax.axvspan(factor * joint.low90, factor * joint.high90, color=ALTERNATIVE, alpha=0.35, lw=0)
         ax.axvline(factor * joint.value, color=AFTER, lw=0.8)
@@ -95,7 +95,7 @@ def draw_constancy(ax: Axes, d: Diagnosis, entry: Any) -> None:
         ax.errorbar([factor * value], [i], xerr=[spread], fmt="o", ms=4, capsize=3, color=colour)
     moves = "" if entry.get("constant", True) else f": moves with {entry.get('moves_with') or 'the record'}"
     ax.set(yticks=range(len(values)), yticklabels=list(values), ylim=(len(values) - 0.5, -0.5))
-    ax.set_xlabel(f"{entry['parameter']} [{unit or '-'}]")
+    ax.set_xlabel(f"{entry['parameter']} [{unit}]")
     ax.set_title(f"{place_words(entry['effect'], entry['at'])}{moves}")
     ax.margins(x=0.15)
 
@@ -131,7 +131,7 @@ def _draw_in_time(ax: Axes, d: Diagnosis) -> None:
     known = {name: gaps["nominal model"] for name in d.before if (gaps := sides(d, name))}
     record = max(known, key=lambda name: known[name].rms["total"] or 0.0)
     gap, name = known[record], worst(known[record])
-    factor, unit = scale([gap.max[name]], gap.unit)
+    factor, unit = labelled_scale([gap.max[name]], gap.unit)
     draw(ax, sides(d, record), name, factor)
     ax.set(xlabel=along(gap), ylabel=f"{label(gap, name)} [{unit}]", title=f"{record}: measured − model")
 
@@ -150,7 +150,7 @@ def laws(d: Diagnosis) -> Figure | None:
 
 def draw_law(ax: Axes, law: LawCurve) -> None:
     """Draw a curve with its band, and the latent motion over its state."""
-    factor, unit = scale(law.value, law.unit)
+    factor, unit = labelled_scale(law.value, law.unit)
     value, low, high = (factor * np.array(each) for each in (law.value, law.low90, law.high90))
     if law.cloud_x:
         cloud = factor * np.array(law.cloud_value)

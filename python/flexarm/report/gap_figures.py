@@ -13,7 +13,7 @@ from flexarm.comparison.pooled_gap import pooled
 from flexarm.errors import InvalidParameter
 from flexarm.output import stems
 from flexarm.report.files import LEFT, legend_below, log_if_wide, margin_for, sheet, write_beside
-from flexarm.wording import number, scale
+from flexarm.wording import labelled_scale, number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,7 +45,7 @@ def plot(d: BeforeAfter, ax: Axes | None, record: str | None) -> Axes:
     before = gaps["nominal model"]
     direction = worst(before)
     axes = plt.subplots()[1] if ax is None else ax
-    factor, unit = scale([before.max[direction]], before.unit)
+    factor, unit = labelled_scale([before.max[direction]], before.unit)
     draw(axes, gaps, direction, factor)
     axes.set(
         xlabel=along(before), ylabel=f"{label(before, direction)} [{unit}]", title=f"{name}: measured − model"
@@ -135,13 +135,13 @@ def gap_along(d: BeforeAfter, record: str) -> Figure:
     widths = (1.5, 1) if len(gaps) > 1 else (1,)
     figure, axes = sheet(len(names), len(widths), 1.3, between=(LEFT, 0.12), sharex=True, width_ratios=widths)
     for row, name in zip(axes, names, strict=True):
-        factor, unit = scale([first.max[name]], first.unit)
+        factor, unit = labelled_scale([first.max[name]], first.unit)
         draw(row[0], gaps, name, factor)
         row[0].set_ylabel(f"{'gap' if name == 'total' else name} [{unit}]")
         if len(gaps) == 1:
             continue
         largest = max(last.max[name] or 0.0, 2 * (noise_of(last) or 0.0))
-        factor, unit = scale([largest], last.unit)
+        factor, unit = labelled_scale([largest], last.unit)
         draw(row[1], {model: last}, name, factor)
         end = 1.15 * factor * largest or 1.0  # nothing is left where nothing moves and no noise is stated
         row[1].set(ylabel=f"[{unit}]", ylim=(-end, end))
@@ -174,7 +174,7 @@ def by_band(d: BeforeAfter, records: Sequence[str]) -> Figure | None:
     if not shown:
         return None
     figure, axes = sheet(1, len(shown), 1.5, between=(0.1, 0.0), sharey=True)
-    factor, unit = scale([_first(gaps).rms["total"] for gaps in shown.values()], d.unit)
+    factor, unit = labelled_scale([_first(gaps).rms["total"] for gaps in shown.values()], d.unit)
     for ax, (name, gaps) in zip(axes[0], shown.items(), strict=True):
         labels = [f"{band.low:.2g}–{band.high:.2g}" for band in _first(gaps).bands]
         shifts = (-0.2, 0.2) if len(gaps) > 1 else (0.0,)
@@ -216,7 +216,7 @@ def waterfall(d: Diagnosis) -> Figure | None:
     figure, axes = sheet(1, 1, 0.42 * len(d.stages) + 0.1, left=margin_for(labels))
     ax = axes[0, 0]
     largest = max(max(heights) for _, heights, _ in rows)
-    factor, unit = scale([largest], d.unit)
+    factor, unit = labelled_scale([largest], d.unit)
     for i, (name, heights, colour) in enumerate(rows):
         place = np.arange(len(heights)) + 0.38 * (i - (len(rows) - 1) / 2)
         values = [factor * height for height in heights]

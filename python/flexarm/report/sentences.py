@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from flexarm.budget import ended_early
 from flexarm.fit_statistics import PooledGap
 from flexarm.wording import (
+    labelled_scale,
     listed,
     number,
     place_words,
@@ -73,7 +74,7 @@ def _table(d: BeforeAfter, signal: str) -> GapTable:
         for name in (*d.training, *d.held_out)
         if (gap := d.gap([name], signal)).before_rms is not None
     }
-    factor, unit = scale([gap.before_rms for gap in found.values()], d.unit_of(signal))
+    factor, unit = labelled_scale([gap.before_rms for gap in found.values()], d.unit_of(signal))
     rows = []
     for name, gap in found.items():
         sizes = (gap.before_rms, gap.after_rms, gap.noise_rms, gap.before_max, gap.after_max)

@@ -11,7 +11,7 @@ from flexarm.arm.effect import effect_class
 from flexarm.errors import InvalidParameter
 from flexarm.report.files import BOTTOM, legend_below, sheet
 from flexarm.report.gap_figures import AFTER, LOOKS, NOISE, zero_of
-from flexarm.wording import scale
+from flexarm.wording import labelled_scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -79,7 +79,7 @@ def draw_against(ax: Axes, d: Diagnosis, signal: str, direction: str, joint: str
     """Draw the gap of a signal as dots against a state of a joint or time, before and after."""
     sides = located_sides(d, signal)
     rows = sides["nominal model"]
-    factor, unit = scale([float(np.abs(rows.directions[direction]).max())], rows.unit)
+    factor, unit = labelled_scale([float(np.abs(rows.directions[direction]).max())], rows.unit)
     sigma = factor * float(np.sqrt(np.mean(rows.noise[direction] ** 2)))
     ax.axhspan(-2 * sigma, 2 * sigma, color=NOISE, lw=0, zorder=0, label="noise, 2σ")
     for name, side in sides.items():
@@ -128,7 +128,7 @@ def rotations(d: Diagnosis) -> Figure | None:
     figure, axes = sheet(len(shown), len(kinds), 1.1, between=(0.3, BOTTOM), legend=False, sharey=shared)
     for row, (rotation, states) in zip(axes, shown, strict=True):
         beside = [each for each, _ in shown if each.unit == rotation.unit]
-        factor, unit = scale([float(np.abs(each.angle).max()) for each in beside], rotation.unit)
+        factor, unit = labelled_scale([float(np.abs(each.angle).max()) for each in beside], rotation.unit)
         for kind, ax in zip(kinds, row, strict=True):
             look = LOOKS["nominal model"]
             ax.plot(getattr(states, kind), factor * rotation.angle, ls="none", ms=2.2, mew=0, **look)
@@ -183,7 +183,7 @@ def gap_figure(located: Localisation, signal: str | None = None) -> Figure:
     width = 6 // len(kinds)
     first = [figure.add_subplot(grid[0, width * k : width * (k + 1)]) for k in range(len(kinds))]
     below = [figure.add_subplot(grid[1 + k, :]) for k in range(len(records))]
-    factor, unit = scale([float(np.abs(rows.directions[direction]).max())], rows.unit)
+    factor, unit = labelled_scale([float(np.abs(rows.directions[direction]).max())], rows.unit)
     values = factor * rows.directions[direction]
     for ax, kind in zip(first, kinds, strict=True):
         ax.plot(getattr(joint, kind), values, ".", ms=2.5, color=AFTER, label="gap")
