@@ -387,6 +387,15 @@ def test_samples_of_a_matrix_without_separate_stamps_run_along_its_longer_side(n
     np.testing.assert_allclose(hinge.time, np.arange(200) / 100)
 
 
+def test_rows_of_a_matrix_count_from_1(tmp_path):
+    with h5py.File(tmp_path / "log.h5", "w") as file:
+        file["m"] = np.arange(12.0).reshape(6, 2)
+    keys = 'source = "log.h5"\ntime = { rate_hz = 100 }\ncolumns = ["m[NUMBER]"]'
+    assert joint_of(tmp_path, keys.replace("NUMBER", "1")).values[:, 0].tolist() == [0, 2, 4, 6, 8, 10]
+    with pytest.raises(InvalidFile, match=r"rows of a matrix count from 1, got 'm\[0\]'"):
+        joint_of(tmp_path, keys.replace("NUMBER", "0"))
+
+
 def test_invalid_values_of_mdf_are_drop_outs_at_their_stamps(tmp_path):
     flags = np.eye(20, dtype=bool)
     with MDF(version="4.10") as file:

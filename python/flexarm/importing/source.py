@@ -179,7 +179,9 @@ class Source(ABC):
         if column in names:
             return names.index(column), None
         match = re.fullmatch(r"(.*)\[(\d+)\]", column)
-        if match and match[1] in names and int(match[2]) >= 1:
+        if match and match[1] in names:
+            if int(match[2]) < 1:
+                raise Unreadable(key, f"rows of a matrix count from 1, got {column!r}")
             return names.index(match[1]), int(match[2]) - 1
         close = get_close_matches(column, names, n=1)
         meant = f"; did you mean {close[0]!r}?" if close else ""
