@@ -363,6 +363,20 @@ def test_what_may_ring_the_model_alone_is_said(run):
     assert not any("drive" in note or "moving" in note for note in compare(arm(), record).notes)
 
 
+def test_outliers_of_the_drive_do_not_drive(run):
+    """An encoder that reads half a radian more for one row would throw the model about."""
+    record = virtual(run)
+    hinge = record.signals["hinge"]
+    values = hinge.values.copy()
+    values[len(values) // 2] += 0.5
+    wild = record.replace(signals={**record.signals, "hinge": hinge.replace(values=values)})
+    found, clean = compare(arm(), wild), compare(arm(), record)
+    assert found.signals["tip"].rms["total"] == pytest.approx(clean.signals["tip"].rms["total"], rel=0.05)
+    (told,) = (note for note in found.notes if "of the drive hinge" in note)
+    assert told.startswith(f"1 outlier of the drive hinge, row {len(values) // 2}, 0.500 rad off")
+    assert compare(arm(), wild, align=False).signals["tip"].rms["total"] > 100 * TRACKER
+
+
 def test_jitter_of_the_stamps_counts_as_noise_of_what_moves(run):
     """2 ms of jitter at up to 2 m/s are millimetres: far above the tracker's noise, and no gap."""
     seen = [*sensors("hinge"), Sensor(name="tip", **{**TABLES["tip"], "jitter_std": 2e-3, "rate_hz": 50})]

@@ -15,6 +15,7 @@ from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
 from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
 from flexarm.comparison.bands import alias
 from flexarm.comparison.comparison import Comparison
+from flexarm.comparison.drive_outliers import RemovedOutliers, clean_drives
 from flexarm.comparison.free_vibration import rings_freely
 from flexarm.comparison.gap import SignalGap, signal_gap
 from flexarm.comparison.moving_start import moving_starts
@@ -54,7 +55,8 @@ def compare(
     taken back; what the run carried and where undriven joints stood comes from the record. Every other signal
     that the simulation predicts is evidence, at its own instants. Clocks and frames are aligned within their
     stated sigmas (see `flexarm.comparison.align`), which costs no simulation; gross outliers of places and
-    angles count neither there nor in the gap, and are said. Poses of a static record are equilibria.
+    angles count neither there nor in the gap, those of drives do not drive, and all are said. Poses of a
+    static record are equilibria.
 
     Parameters
     ----------
@@ -85,19 +87,20 @@ def compare(
     --------
     >>> print(flexarm.compare(arm, flexarm.Record.load("measured")))  # doctest: +SKIP
     """
+    record, removed = clean_drives("", record) if align and simulation is None else (record, [])
     pair = simulate_record(arm, record, align, simulation=simulation, step=step, alpha=alpha)
     steps = step_notes(arm, pair, step, alpha) if check_step else ()
-    return comparison_of(pair, align, bands, steps)
+    return comparison_of(pair, align, bands, (*map(_about_removed, removed), *steps))
 
 
 def comparison_of(
     pair: AlignedRecord,
     align: bool = True,
     bands: Sequence[float] | None = None,
-    steps: Iterable[str] = (),
+    notes: Iterable[str] = (),
     other: Comparison | None = None,
 ) -> Comparison:
-    """Return the gap of an aligned record, as `compare` does; `steps` are notes on the solver's step.
+    """Return the gap of an aligned record, as `compare` does, with more `notes`.
 
     Bands are those of an `other` model's comparison where one is given.
     """
@@ -121,7 +124,7 @@ def comparison_of(
             *moving_starts(simulated),
             *_unknown_ends(pair),
             *_notes(record, gaps, modes_hz, aligned, align),
-            *steps,
+            *notes,
         ),
         _found_frames(simulated, aligned) if align else {},
     )
@@ -199,6 +202,16 @@ def _about_outliers(gap: SignalGap, rows: NDArray[np.bool_]) -> str:
             f"{'count' if many else 'counts'} neither in the alignment nor in these numbers (--raw: in all)"
         )
     return f"{int(rows.sum())} outliers of {gap.name} were not used to align, but count in these numbers"
+
+
+def _about_removed(drive: RemovedOutliers) -> str:
+    """Describe the outliers of a drive."""
+    many = "s" * (len(drive.rows) > 1)
+    off = with_unit(drive.size, drive.unit)
+    return (
+        f"{len(drive.rows)} outlier{many} of the drive {drive.signal}, {row_list(drive.rows)}, {off} off, "
+        "left out (--raw: all rows drive)"
+    )
 
 
 def _about_drives(record: Record) -> list[str]:

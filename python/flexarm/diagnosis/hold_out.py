@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.assembly.machine import machine_of
+from flexarm.comparison.drive_outliers import blank_rows
 from flexarm.comparison.pose_outliers import MOST
 from flexarm.comparison.poses import is_input
 from flexarm.diagnosis.acceptance import Criteria
@@ -43,7 +44,6 @@ from flexarm.errors import InvalidParameter
 from flexarm.measurement.outliers import SMOOTH, beyond_range_of_others, deviation_from_median, nearby
 from flexarm.record import Record
 from flexarm.validation.finding import ValidationResult
-from flexarm.validation.outliers import blank_rows
 from flexarm.validation.sensor_check import named_records
 from flexarm.wording import with_unit
 

@@ -29,14 +29,14 @@ from typing import Any
 import numpy as np
 
 from flexarm.arm.effect import Effect, read_effect
-from flexarm.measurement.outliers import row_list
+from flexarm.comparison.drive_outliers import RemovedOutliers
 from flexarm.named_effects import Alternative, Estimate, NamedEffect, place_text
 from flexarm.pictures import Summarised
 from flexarm.quantities import channel_names
 from flexarm.record import Record
 from flexarm.validation.channel import Channel, independent_samples
 from flexarm.validation.policy import POLICY
-from flexarm.wording import listed, with_unit
+from flexarm.wording import listed
 
 NOTHING = 1e-12
 """Least scatter: readings and prediction may both be 0 [SI]."""
@@ -127,29 +127,6 @@ class Fault(NamedEffect):
         if self.channels:
             table["channels"] = list(self.channels)
         return read_effect({**table, **{each.name: each.value for each in self.parameters}})
-
-
-@dataclass(frozen=True)
-class RemovedOutliers:
-    """Hold the outliers that were removed from a signal."""
-
-    record: str
-    signal: str
-    """Their names."""
-    rows: tuple[int, ...]
-    """Rows of the signal, counted from 0, whose values are now NaN."""
-    size: float
-    """Root mean square of their distances [unit]."""
-    unit: str
-    """SI unit of the signal."""
-    poses: tuple[str, ...] = ()
-    """The pose of each row of a static record."""
-
-    def __str__(self) -> str:
-        count = f"{len(self.rows)} outlier{'s' * (len(self.rows) > 1)}"
-        size = with_unit(self.size, self.unit)
-        poses = f" ({row_list(self.poses, 'pose')})" if self.poses else ""
-        return f"{count} of {self.signal} in {self.record}, {row_list(self.rows)}{poses}, {size} off, removed"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

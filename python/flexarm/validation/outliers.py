@@ -9,13 +9,8 @@ parabolas through those before, after and on both sides (`flexarm.measurement.ou
   less of it where most rows of the signal show that phase right.
 
 Torques, accelerations and strains jump where teeth strike; only readings beyond `RANGES` ranges of the others
-are outliers there. Drives have no residual and are judged by the parabolas alone. One of the three is right
-where a drive stops within a sample. The outer two miss a smooth motion by its third differences,
-
-    |y_{k+3} - 3 y_{k+2} + 3 y_{k+1} - y_k|,                                                           (1)
-
-and a row must be off by more than `edge_ratio` times the median of its neighbours. Poses have no neighbours;
-see `flexarm.comparison.pose_outliers`.
+are outliers there. Of drives see `flexarm.comparison.drive_outliers`, of poses, which have no neighbours,
+`flexarm.comparison.pose_outliers`.
 """
 
 from __future__ import annotations
@@ -26,14 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexarm.arrays import Floats
+from flexarm.comparison.drive_outliers import RemovedOutliers, blank_rows, isolated, removed
 from flexarm.comparison.pose_outliers import pose_outliers
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.filters import cubic_average
 from flexarm.measurement.outliers import (
-    AROUND,
     MOST_OF_THEM,
     NEARBY,
-    NEIGHBOURS,
     SMOOTH,
     beyond_range_of_others,
     deviation_from_median,
@@ -42,24 +36,8 @@ from flexarm.measurement.outliers import (
 )
 from flexarm.measurement.predict import read
 from flexarm.record import Record, Signal
-from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.validation.channel import Channel
-from flexarm.validation.finding import RemovedOutliers
 from flexarm.validation.policy import POLICY
-
-
-def clean_drives(name: str, record: Record) -> tuple[Record, list[RemovedOutliers]]:
-    """Return the record without the outliers of its drives, and these."""
-    found: list[RemovedOutliers] = []
-    for drive in record.drive:
-        signal = record.signals[drive]
-        if signal.pose is not None or signal.quantity == "joint_command" or len(signal) < 20:
-            continue
-        rows = _isolated(drive_spikes(signal.values[:, 0], signal.noise_std or 0.0))
-        if rows.any() and rows.mean() < POLICY.max_spike_share:
-            record = blank_rows(record, signal.name, rows)
-            found.append(_removed(name, signal, rows, signal.values))
-    return record, found
 
 
 def clean_evidence(
@@ -78,12 +56,12 @@ def clean_evidence(
         signal = record.signals[signal_name]
         residual[~signal.valid] = np.nan
         noise = simulated.effects(signal).noise(signal.noise_std or 0.0)
-        rows = _isolated(spikes(residual, noise, predicted_vibration(simulated, signal, placement)))
+        rows = isolated(spikes(residual, noise, predicted_vibration(simulated, signal, placement)))
         if signal.quantity not in SMOOTH:
             rows &= beyond_range_of_others(residual, rows)
         if rows.any() and rows.mean() < POLICY.max_spike_share:
             record = blank_rows(record, signal.name, rows)
-            found.append(_removed(name, signal, rows, residual))
+            found.append(removed(name, signal, rows, residual))
     return record, found
 
 
@@ -99,30 +77,6 @@ def _without_poses(
         record = blank_rows(record, signal_name, far.rows)
         found.append(RemovedOutliers(name, signal_name, tuple(map(int, rows)), size, signal.unit, poses))
     return record, found
-
-
-def drive_spikes(samples: Floats, noise: float) -> NDArray[np.bool_]:
-    """Return True at samples of a drive, shape (n,), that are far from all three parabolas."""
-    found = np.zeros(len(samples), dtype=bool)
-    rows = np.flatnonzero(np.isfinite(samples))
-    if len(rows) > NEIGHBOURS:
-        nearest = deviation_from_parabolas(samples[rows][:, None])[:, 0]
-        usual = 2 * POLICY.spike_spread * float(np.median(nearest))
-        least = POLICY.rounding_share * float(np.ptp(samples[rows]))
-        noises = 2 * POLICY.spike_noises * noise  # parabolas have 4.4 times the noise of a sample
-        limit = max(noises, usual, least, POLICY.spike_counts * quantisation_step(samples))
-        far = np.flatnonzero(nearest > limit)
-        around = _neighbouring_third_differences(samples[rows], far)
-        found[rows[far]] = nearest[far] > POLICY.edge_ratio * around
-    return found
-
-
-def _neighbouring_third_differences(y: Floats, at: NDArray[np.intp]) -> Floats:
-    """Return medians of the third differences (1) on both sides of the samples `at`, in their shape."""
-    third = np.pad(np.abs(np.diff(y, 3)), AROUND + 4, constant_values=np.nan)  # k is now k + AROUND + 4
-    windows = np.lib.stride_tricks.sliding_window_view(third, AROUND)
-    before, after = windows[at + 1], windows[at + AROUND + 5]
-    return np.asarray(np.nanmedian(np.concatenate([before, after], axis=1), axis=1))
 
 
 def predicted_vibration(simulated: SimulatedRecord, signal: Signal, placement: Placement) -> Floats:
@@ -163,31 +117,3 @@ def spikes(residual: Floats, noise: Floats, ringing: Floats) -> NDArray[np.bool_
     phase = min(NEARBY * float(np.quantile(missed, MOST_OF_THEM)), 1.0) if len(missed) else 1.0
     found[rows[far]] = np.any(size[far] > np.maximum(limit, phase * vibration[far]), axis=1)
     return found
-
-
-def blank_rows(record: Record, name: str, rows: NDArray[np.bool_ | np.intp] | Sequence[int]) -> Record:
-    """Return the record with rows of a signal, a mask or numbers, set to NaN."""
-    values = record.signals[name].values.copy()
-    values[np.asarray(rows)] = np.nan
-    return record.replace(signals={**record.signals, name: record.signals[name].replace(values=values)})
-
-
-def _isolated(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Keep runs of at most `max_spike_rows` rows."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], rows.astype(int), [0]])))
-    found = np.zeros_like(rows)
-    for first, last in edges.reshape(-1, 2):
-        if last - first <= POLICY.max_spike_rows:
-            found[first:last] = True
-    return found
-
-
-def _removed(name: str, signal: Signal, rows: NDArray[np.bool_], values: Floats) -> RemovedOutliers:
-    """Return removed rows with the rms distance of `values` from the line through their neighbours."""
-    good = ~rows & np.isfinite(values).all(axis=1)
-    time, y, at = signal.time[good], values[good], signal.time[rows]
-    k = np.clip(np.searchsorted(time, at) - 1, 0, len(time) - 2)  # at the ends the line is extrapolated
-    share = ((at - time[k]) / (time[k + 1] - time[k]))[:, None]
-    off = values[rows] - y[k] - (y[k + 1] - y[k]) * share
-    size = float(np.sqrt(np.nanmean(np.sum(off**2, axis=1))))
-    return RemovedOutliers(name, signal.name, tuple(map(int, np.flatnonzero(rows))), size, signal.unit)

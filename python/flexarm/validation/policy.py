@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import log, pi
 
-from flexarm.comparison import moving_start, pose_outliers
+from flexarm.comparison import moving_start
+from flexarm.comparison.drive_outliers import SpikePolicy
 
 
 @dataclass(frozen=True)
-class ValidationPolicy:
+class ValidationPolicy(SpikePolicy):
     """Hold the thresholds of `flexarm.validation`; a comment states the unit and the reason of each."""
 
     # evidence
@@ -93,13 +94,6 @@ class ValidationPolicy:
     min_swing: float = 0.05  # [reach, rad] motion of a place or angle that only a moving drive makes
 
     # outliers
-    spike_noises: float = pose_outliers.NOISE  # [noise] least distance of an outlier
-    spike_spread: float = pose_outliers.SPREAD  # [-] the same over the usual distance
-    max_spike_share: float = pose_outliers.MOST  # [-] most rows that are outliers; more is the signal itself
-    max_spike_rows: int = 2  # [-] most outliers one after the other
-    edge_ratio: float = 4.0  # [-] limit at the ends, with one parabola, and over third differences of drives
-    rounding_share: float = 1e-6  # [-] share of a drive's range that is rounding
-    spike_counts: float = 2.0  # [counts] that a drive may jump by; rounding moves it by up to 4/3
     vibration_period: float = 0.6  # [s] slower motions are no vibration
     vibration_step: float = 0.02  # [s] grid on which vibration is found
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.sizes import implausible_sizes
+from flexarm.comparison.drive_outliers import blank_rows
 from flexarm.comparison.moving_start import moving_starts
 from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
@@ -29,7 +30,6 @@ from flexarm.record import Record, Signal
 from flexarm.record.compatibility import implausible_values
 from flexarm.record.plausibility import INPUTS, unit_problems
 from flexarm.record.time_unit import mismatched_durations
-from flexarm.validation.outliers import blank_rows
 from flexarm.validation.policy import POLICY
 from flexarm.wording import listed
 

@@ -20,6 +20,7 @@ from typing import Any
 from flexarm.arm import Arm
 from flexarm.budget import current
 from flexarm.comparison.aligned_record import simulate_record
+from flexarm.comparison.drive_outliers import RemovedOutliers, blank_rows, clean_drives
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.errors import InvalidParameter
 from flexarm.record import Record
@@ -36,12 +37,12 @@ from flexarm.validation.drive_faults import (
     refuted_drives,
 )
 from flexarm.validation.drive_hypotheses import implausible_drives
-from flexarm.validation.finding import RecordFindings, RemovedOutliers, ValidationResult, merge_findings
+from flexarm.validation.finding import RecordFindings, ValidationResult, merge_findings
 from flexarm.validation.frames import remarks_on_frames, remarks_on_shared_frames, remarks_on_unstated_frames
 from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import initial_alignment, simulate_records
 from flexarm.validation.mirrors import exchanged_axes
-from flexarm.validation.outliers import blank_rows, clean_drives, clean_evidence
+from flexarm.validation.outliers import clean_evidence
 from flexarm.validation.policy import POLICY
 from flexarm.validation.record_remarks import (
     drop_missing_channels,

@@ -6,10 +6,10 @@ from planted import run_of
 
 import flexarm
 from flexarm import Record, Signal
+from flexarm.comparison.drive_outliers import clean_drives
 from flexarm.diagnosis.coarse_encoders import coarse_encoders, with_coarse_encoders
 from flexarm.diagnosis.problem import Problem
 from flexarm.record.quantisation_grid import quantisation_step
-from flexarm.validation.outliers import clean_drives
 
 STEP, ENCODER_NOISE = 8e-4, 2e-6
 

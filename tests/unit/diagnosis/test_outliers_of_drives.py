@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from flexarm.comparison.drive_outliers import clean_drives, drive_spikes
 from flexarm.drive import Drive
 from flexarm.example.files import joined
 from flexarm.record import Record, Signal
-from flexarm.validation.outliers import clean_drives, drive_spikes
 
 
 def resampled(time, angle, rate):
