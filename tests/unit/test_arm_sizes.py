@@ -66,6 +66,23 @@ def test_a_size_of_no_machine_is_doubted_at_its_place(changes, where):
     assert where in doubted(crane_with(**changes))
 
 
+@pytest.mark.parametrize(
+    ("rotor", "seconds", "where"),
+    [
+        (1e-3, 2e-3, []),
+        (10.0, 2e-3, ["joints.hinge.rotor_inertia"]),  # kg cm2
+        (1e-3, 2.0, ["controllers.hinge.sample_time"]),  # ms
+    ],
+)
+def test_rotors_and_sample_times_in_other_units_are_doubted(rotor, seconds, where):
+    """120^2 x 10 kg m2 are 500 times 40 kg at 2.6 m; K_p T = 4 x 2 is beyond the 2 of a stable loop."""
+    arm = crane_with(gravity=(0, 0, -9.81))
+    joint = arm.joints[0].replace(gear_ratio=120.0, rotor_inertia=rotor)
+    loop = {"joint": "hinge", "type": "cascade", "position_gain": 4, "velocity_gain": 1e4}
+    tables = {**arm.replace(joints=(joint,)).to_dict(), "controllers": [{**loop, "sample_time": seconds}]}
+    assert doubted(flexarm.Arm.from_dict(tables)) == where
+
+
 def test_sizes_that_machines_have_are_not_doubted():
     """The paper's arm; a metre of ruler on edge; the Space Station's arm in orbit; values hardly known."""
     assert doubted(crane_with(uncertainty={"payloads.load.mass": 1.0, "points.tip.position_m": 1.0})) == []

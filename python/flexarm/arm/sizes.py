@@ -11,6 +11,9 @@ Each limit is beyond what has been built, so that it doubts a typing error and n
                   Space Station's moves 116 t with 1.5 t, 77 times its own
     inertia       of a payload, as if its mass were `widest` times as far from its centre as the arm reaches:
                   kg mm2 or kg cm2 for kg m2
+    rotor         geared, `HEAVIEST` times all links and payloads at the reach of the arm, or moved along it:
+                  kg cm2 or kg mm2 for kg m2
+    sample time   K_p T >= 2 of a cascade: its position loop, x_{k+1} = (1 - K_p T) x_k at best, diverges
     turn          of a joint's frame by more than a turn: degrees for radians
     sensors       noise of a place a tenth of the reach of the arm, of an angle 0.2 rad; rate beyond
                   `quickest`, as strain gauges and IMUs are sampled at some ten kHz at most; jitter of a stamp
@@ -28,6 +31,7 @@ from collections.abc import Iterable
 from math import hypot, pi, sqrt
 from typing import TYPE_CHECKING
 
+from flexarm.arm.controller import Cascade
 from flexarm.arm.link import Beam, RigidLink
 from flexarm.arm.uncertainty import owner_of
 from flexarm.errors import Problem
@@ -66,6 +70,29 @@ def size_problems(arm: Arm) -> Iterable[Problem]:
             yield Problem(f"uncertainty.{key}", f"{what}; it is in m, not in mm")
     for sensor in arm.sensors:
         yield from sensor_problems(sensor, reach(arm))
+    yield from _drives(arm)
+
+
+def _drives(arm: Arm) -> Iterable[Problem]:
+    """Yield rotors that outweigh the arm, and controllers that sample too slowly."""
+    own = (mass_of_links(arm) or 0.0) + sum(load.mass for load in arm.payloads)
+    for joint in arm.joints:
+        geared, slides = joint.gear_ratio**2 * joint.rotor_inertia, joint.type == "prismatic"
+        moved = own if slides else own * reach(arm) ** 2
+        if mass_of_links(arm) and geared > HEAVIEST * moved:
+            unit = "kg" if slides else "kg m2"
+            yield Problem(
+                f"joints.{joint.name}.rotor_inertia",
+                f"is {joint.rotor_inertia:g} kg m2, at the output {geared:.3g} {unit}, "
+                f"{geared / moved:.2g} times all links and payloads; inertias are in kg m2 on the motor side",
+            )
+    for controller in arm.controllers:
+        if isinstance(controller, Cascade) and controller.position_gain * controller.sample_time >= 2:
+            yield Problem(
+                f"controllers.{controller.joint}.sample_time",
+                f"is {controller.sample_time:g} s, so long that a position gain of "
+                f"{controller.position_gain:g} 1/s diverges; it is in s, not in ms",
+            )
 
 
 def implausible_sizes(arm: Arm) -> Iterable[Problem]:
