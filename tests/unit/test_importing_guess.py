@@ -682,6 +682,28 @@ def test_poses_that_are_read_several_times_are_no_motion(logs, tables):
     assert data["kind"] == "static" and data["signals"][0]["pose"] == "Pose"
 
 
+def test_poses_with_names_are_repeated_and_in_another_order_in_the_trackers_file(logs, tables):
+    """Each of forty named poses is measured three times, and the file begins with the last pose."""
+    rows, angles, seen = tables
+    names = [f"P{row}" for row in rows[:, 0]]
+    poses = [f"{name}\t{a:.5f}\t{b:.5f}" for name, (a, b) in zip(names, angles, strict=True)]
+    (logs / "poses.dat").write_text("\n".join(["Point\tJ1 [deg]\tJ2 [deg]", *poses]) + "\n")
+    told = zip(names, seen, strict=True)
+    points = [f"{n},{k}," + ",".join(f"{v:.6f}" for v in row) for n, row in told for k in range(3)]
+    head = "Name,Meas,X [mm],Y [mm],Z [mm]"
+    (logs / "points.csv").write_text("\n".join([head, *reversed(points)]) + "\n")
+    data, text = guessed(logs, "poses.dat", "points.csv")
+    signals = {each["name"]: each for each in data["signals"]}
+    assert data["kind"] == "static" and data["drive"] == ["pan", "lift"]
+    assert {name: s["pose"] for name, s in signals.items()} == {
+        "pan": "Point",
+        "lift": "Point",
+        "tip": "Name",
+    }
+    assert {s.get("scale") for s in signals.values()} == {None, -1.0} and "by 1.00" in text
+    assert "# unknown: noise_std" not in text
+
+
 @pytest.mark.parametrize("rests", [False, True])
 def test_rows_of_a_motion_that_numbers_count_are_no_poses(logs, rests):
     """Nor where a joint rests, whose noise follows in no order."""

@@ -66,6 +66,8 @@ class Logged:
     """What it seems to be."""
     where: tuple[tuple[str, str], ...] = ()
     """Columns that label rows, and the labels of these, such as the name of a point; `*` for what differs."""
+    texts: tuple[str, ...] = ()
+    """The rows of a column that is no numbers; its values mean nothing."""
 
     @property
     def kind(self) -> tuple[str, str | None, tuple[tuple[str, str], ...]]:
@@ -122,7 +124,12 @@ def _of_group(source: Source, group: Group, named: str, shared: tuple[str, Array
     labels = _labels({c: rows for c, rows in texts.items() if stamped is None or c not in stamped.columns})
     if not labels:
         stamps = _stamps(source, group, arrays, shared, stamped, slice(None))
-        return _rows(named, group, arrays, units, stamps, ())
+        found = _rows(named, group, arrays, units, stamps, ())
+        return found + [
+            replace(found[0], column=column, meaning=meaning_of(""), texts=tuple(rows))
+            for column, rows in texts.items()
+            if found and len(rows) == len(stamps.seconds) and all(rows)
+        ]
     rows: list[Logged] = []
     each = list(zip(*labels.values(), strict=True))
     for label in dict.fromkeys(each):
@@ -147,13 +154,17 @@ def _texts(source: Source, group: Group, columns: Sequence[str | int]) -> dict[s
 
 
 def _labels(texts: Mapping[str | int, list[str]]) -> dict[str | int, list[str]]:
-    """Return the columns that tell few kinds of rows apart; numbers at the end of many names become `*`."""
+    """Return the columns that tell few kinds of rows apart; numbers at the end of many names become `*`.
+
+    Texts with few rows each name these, as those of poses do.
+    """
     most_labels = 20  # different texts of a column that labels rows, such as the names of points
+    few_rows = 8
     found = {}
     for column, rows in texts.items():
         many = len(set(rows)) > most_labels
         labels = [re.sub(r"\d+$", "*", row) for row in rows] if many else rows
-        if 1 < len(set(labels)) <= most_labels:
+        if 1 < len(set(labels)) <= most_labels and len(rows) > few_rows * len(set(labels)):
             found[column] = labels
     return found if len(set(zip(*found.values(), strict=True))) <= most_labels else {}
 

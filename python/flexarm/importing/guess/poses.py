@@ -9,14 +9,16 @@ is 2 for rows in no order, and near 0 for a motion that is sampled often enough 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from flexarm.arrays import Floats
-from flexarm.importing.guess.logged import Logged, Stamped
+from flexarm.arrays import Ints
+from flexarm.importing.guess.logged import Logged
 from flexarm.importing.guess.words import is_stamp, words_of
+from flexarm.record.signal import canonical_pose
 from flexarm.units import factor_to
 
 NUMBERS = (
@@ -33,43 +35,60 @@ NUMBERS = (
     "idx",
     "id",
     "messung",
+    "name",
+    "target",
 )
-"""Words of columns that number poses."""
+"""Words of columns that name or number poses."""
 
 
 def as_poses(columns: Sequence[Logged]) -> list[Logged]:
-    """Return the columns with numbers of poses in place of stamps, where rows are poses; else as they are."""
-    tables: dict[str, list[Logged]] = {}
-    for column in columns:
-        tables.setdefault(column.file, []).append(column)
-    numbers = {file: _numbers(table) for file, table in tables.items()}
-    named = all(name is not None for name, _ in numbers.values())
-    alike = named or len({len(column.values) for column in columns}) == 1
-    plain = all(column.kind[1:] == (None, ()) for column in columns)
-    if not (alike and plain and _jump(columns, numbers)) or any(map(_are_instants, columns)):
-        return list(columns)
-    found = []
-    for column in columns:
-        name, values = numbers[column.file]
-        stamps = Stamped(None, None, values, 0.0, "", poses=True, pose=name if named else None)
-        found += [] if named and column.column == name else [replace(column, time=stamps)]
-    return found
+    """Return the columns of numbers, with rows in place of stamps where these are poses.
+
+    Where all tables name their poses, rows go in the order in which the angles name them first.
+    """
+    numbers = [column for column in columns if not column.texts]
+    angles = [column for column in numbers if column.meaning.quantity == "joint_angle"]
+    if not angles or any(column.where for column in columns) or any(map(_are_instants, numbers)):
+        return numbers
+    tables = dict.fromkeys([angles[0].kind, *(column.kind for column in numbers)])
+    names = {kind: found for kind in tables if (found := _names([c for c in columns if c.kind == kind]))}
+    if len(names) < len(tables):
+        names = {}
+    order = {pose: k for k, pose in enumerate(dict.fromkeys(p for _, poses in names.values() for p in poses))}
+    rows = {kind: np.array([order[pose] for pose in poses]) for kind, (_, poses) in names.items()}
+    if not names and len({len(column.values) for column in numbers}) == 1:
+        rows = {kind: np.arange(len(angles[0].values)) for kind in tables}
+    if not rows or not any(_jumps(column, rows[column.kind]) for column in angles):
+        return numbers
+    return [
+        replace(
+            column,
+            values=column.values[turn],
+            time=replace(
+                column.time,
+                column=None,
+                unit=None,
+                seconds=rows[column.kind][turn].astype(float),
+                start=0.0,
+                form=None,
+                unknown="",
+                poses=True,
+                pose=pose,
+            ),
+        )
+        for column in numbers
+        for turn in [np.argsort(rows[column.kind], kind="stable")]
+        for pose in [names[column.kind][0] if names else None]
+        if column.column != pose
+    ]
 
 
-def _jump(columns: Sequence[Logged], numbers: Mapping[str, tuple[str | None, Floats]]) -> bool:
-    """Return True if an angle that moves is as far from one pose to the next as between any, by (1)."""
-    in_order, moving = (
-        0.5,
-        0.1,
-    )  # ratio (1) up to which rows follow one another; least deviation over the greatest
-    angles = [column for column in columns if column.meaning.quantity == "joint_angle"]
-    size = max((float(np.nanstd(column.values)) for column in angles), default=0.0)
-    for column in (c for c in angles if np.nanstd(c.values) > moving * size):
-        first = column.values[np.unique(numbers[column.file][1], return_index=True)[1]]
-        x = first[np.isfinite(first)]
-        if len(x) > 1 and np.mean(np.diff(x) ** 2) > in_order * np.var(x):
-            return True
-    return False
+def _jumps(angle: Logged, rows: Ints) -> bool:
+    """Return True if values of an angle in neighbouring poses are as far apart as any, by (1)."""
+    in_order = 0.5  # ratio (1) up to which rows follow one another
+    x = angle.values[np.unique(rows, return_index=True)[1]]
+    x = x[np.isfinite(x)]
+    return len(x) > 1 and bool(np.mean(np.diff(x) ** 2) > in_order * np.var(x) > 0)
 
 
 def _are_instants(column: Logged) -> bool:
@@ -81,12 +100,22 @@ def _are_instants(column: Logged) -> bool:
     return named and float(np.median(np.diff(time.seconds))) < slowest
 
 
-def _numbers(table: Sequence[Logged]) -> tuple[str | None, Floats]:
-    """Return the column of a file that numbers poses, by its name, and the numbers; else those of rows."""
-    time, rounding = table[0].time, 1e-6
-    stamps = (time.seconds + time.start) / (factor_to("s", time.unit or "s") or 1.0)
-    for name, values in [(time.column, stamps), *((column.column, column.values) for column in table)]:
-        whole = bool(np.abs(values - np.round(values)).max() < rounding)
-        if isinstance(name, str) and whole and any(word in NUMBERS for word in words_of(name)):
-            return name, np.round(values)
-    return None, np.arange(float(len(table[0].values)))
+def _names(table: Sequence[Logged]) -> tuple[str, list[str]] | None:
+    """Return the column of a table that names or numbers its poses, by its name, and the pose of each row."""
+    time = table[0].time
+    stamps = (time.start + time.seconds) / (factor_to("s", time.unit or "s") or 1.0)
+    found: list[tuple[str | int, Any]] = [(c.column, c.texts) for c in table if c.texts]
+    found += [(time.column, np.round(stamps, 9))] if isinstance(time.column, str) else []
+    found += [(c.column, c.values) for c in table if _is_whole(c)]
+    return next(
+        (
+            (name, [canonical_pose(str(pose)) for pose in poses])
+            for name, poses in found
+            if isinstance(name, str) and any(word in NUMBERS for word in words_of(name))
+        ),
+        None,
+    )
+
+
+def _is_whole(column: Logged) -> bool:
+    return not column.texts and bool(np.all(column.values == np.round(column.values)))

@@ -29,7 +29,7 @@ Option = tuple[str | int, bool]
 """Unit of an angle, or the counts of a turn; and True if it is before the gear."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Proposal:
     """A signal of the map, and why."""
 

@@ -160,7 +160,7 @@ def settle_motion(proposals: Sequence[Proposal], arm: Arm) -> dict[str, str]:
                 seen.unknown["frame"] = "how well it is registered; exactly is taken"
                 continue
         seen.keys["frame"] = name
-        frames[name] = told
+        frames.setdefault(name, told)
     return frames
 
 
@@ -188,7 +188,8 @@ def settle_noise(proposals: Sequence[Proposal], arm: Arm) -> None:
         if proposal.place == ("joint", ""):
             continue  # which may be before the gear or not
         if proposal.first.time.poses:
-            if proposal.place[0] != "joint":
+            rows = proposal.first.time.seconds
+            if proposal.place[0] != "joint" and len(np.unique(rows)) == len(rows):
                 proposal.unknown["noise_std"] = "1 sigma of a reading; rows that repeat a pose would tell it"
             continue
         sizes = [white_noise(column.values) for column in proposal.columns]
