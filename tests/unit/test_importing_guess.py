@@ -704,6 +704,20 @@ def test_poses_with_names_are_repeated_and_in_another_order_in_the_trackers_file
     assert "# unknown: noise_std" not in text
 
 
+def test_four_columns_of_unit_length_are_a_quaternion(logs):
+    """`q0` to `q3` of a tracker's target are no angles of joints."""
+    t = np.arange(0.3, 7.5, 0.01)
+    write_robot(logs, {"pan_deg": np.degrees(angles(t)["pan"]), "lift_deg": np.degrees(angles(t)["lift"])}, t)
+    turned = Rotation.from_euler("zy", np.column_stack([angles(t)["pan"], angles(t)["lift"]])).as_quat()
+    sheet = np.column_stack([t, turned[:, [3, 0, 1, 2]]])
+    np.savetxt(logs / "target.csv", sheet, "%.6f", ",", header="time_s,q0,q1,q2,q3", comments="")
+    data, text = guessed(logs, "robot.csv", "target.csv")
+    told = {s["name"]: (s["quantity"], s["columns"]) for s in data["signals"]}
+    assert told["tip_orientation"] == ("orientation", ["q1", "q2", "q3", "q0"])
+    assert set(told) == {"pan", "lift", "tip_orientation"}
+    assert "# unknown: columns: whether w is the first" in text
+
+
 @pytest.mark.parametrize("rests", [False, True])
 def test_rows_of_a_motion_that_numbers_count_are_no_poses(logs, rests):
     """Nor where a joint rests, whose noise follows in no order."""

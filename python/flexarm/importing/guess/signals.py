@@ -101,6 +101,24 @@ def named_by_direction(columns: Sequence[Logged]) -> list[Logged]:
     ]
 
 
+def with_quaternions(columns: Sequence[Logged]) -> list[Logged]:
+    """Return the columns, as an orientation four in a row whose squares sum to 1, named alike but for numbers."""
+    found = list(columns)
+    rounded = 1e-3  # how far the sum may be from 1
+    for k in range(len(found) - 3):
+        four = found[k : k + 4]
+        stems = {(c.kind, re.sub(r"\d+", "", c.meaning.stem), c.meaning.axis) for c in four}
+        length = sum(np.square(c.values) for c in four if len(c.values) == len(four[0].values))
+        if len(stems) == 1 and not four[0].meaning.axis and np.nanmax(np.abs(length - 1.0)) < rounded:
+            why = "squares of four columns sum to 1"
+            turned = [replace(c.meaning, quantity="orientation", stem="", why=why) for c in four]
+            found[k : k + 4] = [
+                replace(c, meaning=replace(m, axis=axis))
+                for c, m, axis in zip(four, turned, "wxyz", strict=True)
+            ]
+    return found
+
+
 def _ways_named_as_axes(columns: Sequence[Logged], arm: Arm) -> list[Logged]:
     """Return coordinates that have the bare name of a joint that slides.
 
@@ -154,6 +172,8 @@ def point_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
         proposal.why["quantity"] = by_axis[axes[0]].meaning.why
         if point:
             proposal.why["point"] = "its name stands in the log's"
+        if quantity == "orientation" and not stem:
+            proposal.unknown["columns"] = "whether w is the first of the four, as taken, or the last"
         if quantity != "orientation" and axes != ["x", "y", "z"]:
             proposal.keys["axes"] = axes
         found.append(proposal)

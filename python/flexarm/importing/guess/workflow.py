@@ -30,6 +30,7 @@ from flexarm.importing.guess.signals import (
     settle_doubles,
     settle_places,
     unnamed_points,
+    with_quaternions,
 )
 from flexarm.importing.guess.signs import settle_signs
 from flexarm.importing.guess.text import map_text
@@ -49,7 +50,8 @@ def guess_map(files: Iterable[Path], model: str | Path, out: str | Path) -> str:
         for path in map(Path, files)
         for column in logged(path, os.path.relpath(path.absolute(), folder).replace(os.sep, "/"))
     ]
-    columns = as_poses(named_after_joints(named_by_direction(columns), arm))
+    columns = with_quaternions(named_by_direction(columns))
+    columns = as_poses(named_after_joints(columns, arm))
     stamped = [c for c in columns if c.time.column is not None or c.time.poses] or columns
     proposals = [*joint_signals(stamped, arm), *point_signals(stamped, arm)]
     settle_places(proposals, arm)
