@@ -718,6 +718,15 @@ def test_four_columns_of_unit_length_are_a_quaternion(logs):
     assert "# unknown: columns: whether w is the first" in text
 
 
+def test_states_of_a_controller_do_not_part_its_joints(logs):
+    t = np.arange(0, 8, 0.004)
+    rows = zip(t, *(np.degrees(q) for q in angles(t).values()), strict=True)
+    lines = [f"{s:.3f},{a:.5f},{b:.5f},{'RUN' if 1 < s < 7 else 'IDLE'}" for s, a, b in rows]
+    (logs / "robot.csv").write_text("\n".join(["time_s,pan_deg,lift_deg,state", *lines]) + "\n")
+    data, _ = guessed(logs, "robot.csv", "tracker.csv")
+    assert data["drive"] == ["pan", "lift"] and not any("where" in s for s in data["signals"])
+
+
 @pytest.mark.parametrize("rests", [False, True])
 def test_rows_of_a_motion_that_numbers_count_are_no_poses(logs, rests):
     """Nor where a joint rests, whose noise follows in no order."""

@@ -122,6 +122,9 @@ def _of_group(source: Source, group: Group, named: str, shared: tuple[str, Array
     stamped = text_stamps(list(texts), list(texts.values()))
     arrays = {c: values for c, values in arrays.items() if stamped is None or c not in stamped.columns}
     labels = _labels({c: rows for c, rows in texts.items() if stamped is None or c not in stamped.columns})
+    if labels and any(_meaning(group, c, units.get(c, "")).quantity == "joint_angle" for c in arrays):
+        whole = _stamps(source, group, arrays, None, stamped, slice(None))
+        labels = labels if whole.column is None or whole.unknown else {}  # states of one motion
     if not labels:
         stamps = _stamps(source, group, arrays, shared, stamped, slice(None))
         found = _rows(named, group, arrays, units, stamps, ())

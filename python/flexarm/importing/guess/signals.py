@@ -102,7 +102,10 @@ def named_by_direction(columns: Sequence[Logged]) -> list[Logged]:
 
 
 def with_quaternions(columns: Sequence[Logged]) -> list[Logged]:
-    """Return the columns, as an orientation four in a row whose squares sum to 1, named alike but for numbers."""
+    """Return the columns, as an orientation four whose squares sum to 1.
+
+    They stand in a row of one table, and their names differ by numbers alone.
+    """
     found = list(columns)
     rounded = 1e-3  # how far the sum may be from 1
     for k in range(len(found) - 3):
