@@ -737,6 +737,15 @@ def test_rows_of_a_motion_that_numbers_count_are_no_poses(logs, rests):
     assert "kind" not in guessed(logs, "motion.csv")[0]
 
 
+@pytest.mark.parametrize("unit", ["%", "‰", "bar"])
+def test_a_torque_in_a_unit_of_another_kind_waits_for_its_scale(logs, unit):
+    t = np.arange(0, 8, 0.004)
+    write_robot(logs, {"pan_deg": np.degrees(angles(t)["pan"]), f"Torque pan [{unit}]": 10 * np.sin(t)}, t)
+    data, text = guessed(logs, "robot.csv", "tracker.csv")
+    assert "pan_motor_torque" not in {s["name"] for s in data["signals"]}
+    assert f"# # unknown: scale: N m per {unit}, in which the log is" in text
+
+
 @pytest.mark.parametrize("names", ["E,N,H", "Rechtswert [m],Hochwert [m],Höhe [m]"])
 def test_a_total_station_sees_the_tip_of_a_crane(tmp_path, names):
     """East, north and height are x, y and z; the joints of the crane's loop follow its stroke."""

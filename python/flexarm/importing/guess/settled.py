@@ -35,6 +35,9 @@ def settle_units(proposals: Sequence[Proposal], arm: Arm) -> None:
         fits = unit and any(factor_to(si, unit) is not None for si in units)
         if fits and proposal.quantity != "orientation":
             proposal.keys["unit"], proposal.why["unit"] = unit, "the log says it"
+        elif unit and units and not (proposal.counts or proposal.unknown.get("unit")):
+            proposal.unknown["scale"] = f"{units[0]} per {unit}, in which the log is"
+            proposal.out = True
         elif proposal.quantity == "position":
             far = float(np.nanmax([np.nanmax(np.abs(column.values)) for column in proposal.columns]))
             proposal.keys["unit"] = "mm" if far > 50 else "m"

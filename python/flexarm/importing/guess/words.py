@@ -47,6 +47,8 @@ GEODETIC = {
     "z": ("h", "u", "up", "height", "elevation", "hohe", "z"),
 }
 """Words of coordinates of a total station, by axis."""
+SHARES = ("%", "‰")
+"""Units of columns that are shares of a rated value."""
 SPELT = {"dps": "deg/s", "radps": "rad/s", "mps2": "m/s2", "mss": "m/s2"}
 """Ends of names, as loggers spell units that a name cannot hold."""
 SENSED = {"a": "acceleration", "g": "angular_rate", "w": "angular_rate", "q": "orientation", "f": "force"}
@@ -125,7 +127,7 @@ def unit_in(name: str, said: str = "") -> str:
         text: str = given.strip().replace("rads/s", "rad/s").replace("Nm", "N m").replace("degrees", "deg")
         if text.lower() in COUNTS:
             return COUNTED
-        if factor_to("A", text) is not None:
+        if factor_to("A", text) is not None or text in SHARES:
             return text
         # One letter at the end of a name is a unit only where something stands before it.
         if (
