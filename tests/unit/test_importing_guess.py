@@ -586,8 +586,9 @@ def test_strokes_pressures_and_an_imu_of_a_crane_are_proposed(tmp_path):
     assert '"pA_bar": a pressure; see `sum`' in text
 
 
-def test_ways_of_slides_named_as_axes_are_told_from_a_trackers_point(logs):
-    """A gantry's joints are X, Y and Z, as are the columns of the tracker beside it."""
+@pytest.fixture
+def gantry(logs):
+    """A machine whose joints slide along X, Y and Z, and four seconds of their ways [m]."""
     names = ("base", "X", "Y", "Z")
     model = 'format = "flexarm-arm/1"\n'
     for parent, name, axis in zip(names, names[1:], np.eye(3, dtype=int).tolist(), strict=False):
@@ -601,14 +602,31 @@ def test_ways_of_slides_named_as_axes_are_told_from_a_trackers_point(logs):
     )
     t = np.arange(0, 4, 0.01)
     ways = np.column_stack([np.sin(t) ** 2, np.sin(1.7 * t) ** 2, 0.3 * np.sin(2.3 * t) ** 2])
+    return t, ways
+
+
+def test_ways_of_slides_named_as_axes_are_told_from_a_trackers_point(logs, gantry):
+    """A gantry's joints are X, Y and Z, as are the columns of the tracker beside it."""
+    t, ways = gantry
     for file, values in (("tracker.csv", ways + 1.0), ("plc.csv", ways)):
         head, sheet = "time_s,X_mm,Y_mm,Z_mm", np.column_stack([t, 1e3 * values])
         np.savetxt(logs / file, sheet, "%.4f", ",", header=head, comments="")
     data, _ = guessed(logs, "plc.csv", "tracker.csv", model="gantry.toml")
     told = {s["name"]: (s["source"], s["quantity"], s["columns"]) for s in data["signals"]}
-    expected = {name: ("plc.csv", "joint_angle", [f"{name}_mm"]) for name in names[1:]}
+    expected = {name: ("plc.csv", "joint_angle", [f"{name}_mm"]) for name in "XYZ"}
     assert told == expected | {"head": ("tracker.csv", "position", ["X_mm", "Y_mm", "Z_mm"])}
     assert data["drive"] == ["X", "Y", "Z"]
+
+
+def test_ways_of_axes_are_told_from_a_point_without_names(logs, gantry):
+    t, ways = gantry
+    names = [f"Achse {axis} Istposition [mm]" for axis in "XYZ"]
+    write_robot(logs, dict(zip(names, 1e3 * ways.T, strict=True)), t)
+    np.savetxt(logs / "tracker.txt", np.column_stack([t, 1e3 * (ways + 1.0)]), "%.4f")
+    data, _ = guessed(logs, "robot.csv", "tracker.txt", model="gantry.toml")
+    told = {s["name"]: (s["quantity"], s["columns"]) for s in data["signals"]}
+    expected = {axis: ("joint_angle", [name]) for axis, name in zip("XYZ", names, strict=True)}
+    assert told == expected | {"head": ("position", [2, 3, 4])}
 
 
 @pytest.mark.parametrize("name", ["z", "Z"])

@@ -123,26 +123,37 @@ def with_quaternions(columns: Sequence[Logged]) -> list[Logged]:
 
 
 def _ways_named_as_axes(columns: Sequence[Logged], arm: Arm) -> list[Logged]:
-    """Return coordinates that have the bare name of a joint that slides.
+    """Return coordinates that are named after joints that slide, and after no point.
 
-    Three together are a point's, unless others are too: then those beside angles of joints, else the first.
+    Three together are a point's, unless others may be, or angles of joints stand beside them. Of several
+    threes those beside angles are taken, else the first.
     """
-    slides = {"".join(words_of(joint.name)) for joint in arm.moving_joints if joint.type == "prismatic"}
+    slides = [joint.name for joint in arm.moving_joints if joint.type == "prismatic"]
+    points = [point.name for point in arm.points]
+    angles = [column.kind for column in columns if column.meaning.quantity == "joint_angle"]
     groups: dict[tuple[Any, str], list[Logged]] = {}
     for column in columns:
         if column.meaning.quantity == "position":
             groups.setdefault((column.kind, column.meaning.stem), []).append(column)
-    angles = [column.kind for column in columns if column.meaning.quantity == "joint_angle"]
-    named = {
-        kind: [c for c in group if c.meaning.stem.replace(" ", "") + c.meaning.axis in slides]
-        for (kind, _), group in groups.items()
-    }
-    whole = [kind for (kind, _), group in groups.items() if len(group) == len("xyz")]
+
+    def named(column: Logged, whole: bool) -> bool:
+        name, bare = str(column.column), column.meaning.stem.replace(" ", "") + column.meaning.axis
+        told = (whole or column.kind in angles) and matched(name, slides) and not matched(name, points)
+        return bool(told) or bare in ["".join(words_of(slide)) for slide in slides]
+
+    whole = [group for group in groups.values() if len(group) == len("xyz")]
     first = next(
-        (k for k in sorted(whole, key=lambda k: k not in angles) if len(named[k]) == len("xyz")), None
+        (
+            group
+            for group in sorted(whole, key=lambda group: group[0].kind not in angles)
+            if all(named(column, True) for column in group)
+        ),
+        [],
     )
-    found = [column for kind, group in named.items() if kind not in whole for column in group]
-    return found + (named[first] if first is not None and len(whole) > 1 else [])
+    unnamed = [column.kind for column in columns if isinstance(column.column, int)]
+    others = len(whole) > 1 or any(unnamed.count(kind) >= len("xyz") for kind in unnamed)
+    found = [c for group in groups.values() if len(group) != len("xyz") for c in group if named(c, False)]
+    return found + (first if first and (others or first[0].kind in angles) else [])
 
 
 def _is_way(column: Logged, arm: Arm) -> bool:
