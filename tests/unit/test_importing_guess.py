@@ -764,6 +764,24 @@ def test_a_torque_in_a_unit_of_another_kind_waits_for_its_scale(logs, unit):
     assert f"# # unknown: scale: N m per {unit}, in which the log is" in text
 
 
+def test_names_of_joints_stand_in_columns_of_texts_with_the_same_number(logs):
+    """`rostopic echo -p`: the order of joints is the driver's, and stamps are those of the header."""
+    names = ["header.stamp", "header.frame_id", "name0", "name1", "position0", "position1"]
+    head = "%time," + ",".join(f"field.{name}" for name in names)
+    t = np.arange(0, 8, 0.004)
+    stamp = 1_780_000_000_000_000_000 + np.round(1e9 * t).astype(np.int64)
+    q = angles(t)
+    rows = zip(stamp + 300_000, stamp, q["lift"], q["pan"], strict=True)
+    lines = [f"{late},{ns},,lift,pan,{a:.7f},{b:.7f}" for late, ns, a, b in rows]
+    (logs / "joint_states.csv").write_text("\n".join([head, *lines]) + "\n")
+    data, _ = guessed(logs, "joint_states.csv", "tracker.csv")
+    told = {s["name"]: (s["columns"], s["time"]) for s in data["signals"][:2]}
+    assert told == {
+        "lift": (["field.position0"], "field.header.stamp"),
+        "pan": (["field.position1"], "field.header.stamp"),
+    }
+
+
 @pytest.mark.parametrize("names", ["E,N,H", "Rechtswert [m],Hochwert [m],Höhe [m]"])
 def test_a_total_station_sees_the_tip_of_a_crane(tmp_path, names):
     """East, north and height are x, y and z; the joints of the crane's loop follow its stroke."""

@@ -14,7 +14,7 @@ from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.importing.formats import opened
 from flexarm.importing.guess.text_stamps import TextStamps, text_stamps
-from flexarm.importing.guess.words import COUNTED, Meaning, is_stamp, meaning_of, unit_in
+from flexarm.importing.guess.words import COUNTED, Meaning, is_header_stamp, is_stamp, meaning_of, unit_in
 from flexarm.importing.map_file import Dialect
 from flexarm.importing.source import LOG, Array, Group, Request, Source, Unreadable
 from flexarm.importing.stamps import CALENDAR
@@ -68,6 +68,8 @@ class Logged:
     """Columns that label rows, and the labels of these, such as the name of a point; `*` for what differs."""
     texts: tuple[str, ...] = ()
     """The rows of a column that is no numbers; its values mean nothing."""
+    told: str = ""
+    """The only text of a column whose name has the same number, such as a joint's name."""
 
     @property
     def kind(self) -> tuple[str, str | None, tuple[tuple[str, str], ...]]:
@@ -127,7 +129,11 @@ def _of_group(source: Source, group: Group, named: str, shared: tuple[str, Array
         labels = labels if whole.column is None or whole.unknown else {}  # states of one motion
     if not labels:
         stamps = _stamps(source, group, arrays, shared, stamped, slice(None))
-        found = _rows(named, group, arrays, units, stamps, ())
+        single = {n: rows[0] for c, rows in texts.items() if len(set(rows)) == 1 and (n := _number(c))}
+        found = [
+            replace(column, told=single.get(_number(column.column), ""))
+            for column in _rows(named, group, arrays, units, stamps, ())
+        ]
         return found + [
             replace(found[0], column=column, meaning=meaning_of(""), texts=tuple(rows))
             for column, rows in texts.items()
@@ -142,6 +148,12 @@ def _of_group(source: Source, group: Group, named: str, shared: tuple[str, Array
         where = tuple(zip(map(str, labels), label, strict=True))
         rows += _rows(named, group, here, units, stamps, where)
     return rows
+
+
+def _number(column: str | int) -> str:
+    """Return the only number in a column's name; empty if there is none."""
+    numbers = re.findall(r"\d+", column) if isinstance(column, str) else []
+    return numbers[0] if len(numbers) == 1 else ""
 
 
 def _texts(source: Source, group: Group, columns: Sequence[str | int]) -> dict[str | int, list[str]]:
@@ -251,7 +263,7 @@ def _stamps(
     rising.sort(key=lambda c: bool((np.diff(arrays[c]) == 1).all()))  # numbers of rows come last
     by_name = [column for column in rising if isinstance(column, str) and is_stamp(column)]
     if by_name or (rising and group.time is None and shared is None):
-        column = (by_name or rising)[0]
+        column = (sorted(by_name, key=lambda name: not is_header_stamp(name)) or rising)[0]
         request = Request(group.topic, (column,), column)
         samples = source.read(request)
         said = dict(zip(_columns(group), group.units, strict=False)).get(column, "")

@@ -36,11 +36,12 @@ def joint_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
         if quantity not in SCALARS or (column.rests and quantity not in ("joint_angle", "joint_command")):
             continue
         label = f"{column.topic or ''} {column.column}" if not _is_message(column) else str(column.column)
-        joint = matched(label, known)
+        joint = matched(label, known) or matched(column.told, known)
         proposal = Proposal([column], "motor_torque" if quantity == "current" else quantity, ("joint", joint))
         proposal.why["quantity"] = why
         if joint:
-            proposal.why["joint"] = "its name stands in the column's"
+            where = "in the column's" if matched(label, known) else "beside, under the same number"
+            proposal.why["joint"] = f"its name stands {where}"
         if quantity == "current":
             proposal.unknown["unit"] = "the motor's torque constant: unit = { torque_constant = } [N m/A]"
             proposal.out = True

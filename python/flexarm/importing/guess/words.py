@@ -190,7 +190,16 @@ def meaning_of(name: str, said_unit: str = "", kind: str = "") -> Meaning:
 
 def is_stamp(name: str) -> bool:
     """Return True if a name says that a column holds stamps."""
-    return any(word in STAMPS for word in words_of(name)[:2])
+    return any(word in STAMPS for word in words_of(name)[:2]) or is_header_stamp(name)
+
+
+def is_header_stamp(name: str) -> bool:
+    """Return True for the stamp in the header of a ROS message: of the measurement, not of its arrival.
+
+    >>> is_header_stamp("field.header.stamp"), is_header_stamp("%time")
+    (True, False)
+    """
+    return words_of(name)[-2:] == ["header", "stamp"]
 
 
 def matched(name: str, known: Sequence[str]) -> str:
