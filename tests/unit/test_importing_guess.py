@@ -782,6 +782,24 @@ def test_names_of_joints_stand_in_columns_of_texts_with_the_same_number(logs):
     }
 
 
+def test_stations_of_a_boom_are_poses_along_its_telescope(logs):
+    """Angles rise from station to station; a total station tells east and height."""
+    slides = MODEL.replace('name = "lift"\ntype = "revolute"', 'name = "lift"\ntype = "prismatic"')
+    (logs / "slide.toml").write_text(slides)
+    head = "Stand\tNeigung (°)\tTeleskop Auszug (mm)\tOst (m)\tHöhe (m)"
+    rows = [(a, e) for a in range(0, 60, 10) for e in (0, 1, 2)]
+    lines = [f"S{a}{e}\t{a},013\t{1e3 * e + 0.2:.1f}\t{7 + e},2\t{100 + a},1" for a, e in rows]
+    (logs / "poses.txt").write_text("\n".join([head, *lines]).replace(".", ",") + "\n")
+    data, _ = guessed(logs, "poses.txt", model="slide.toml")
+    told = {s["name"]: (s["columns"], s["pose"], s["unit"]) for s in data["signals"]}
+    assert data["kind"] == "static" and data["drive"] == ["pan", "lift"]
+    assert told == {
+        "pan": (["Neigung (°)"], "Stand", "°"),
+        "lift": (["Teleskop Auszug (mm)"], "Stand", "mm"),
+        "tip": (["Ost (m)", "Höhe (m)"], "Stand", "m"),
+    }
+
+
 @pytest.mark.parametrize("names", ["E,N,H", "Rechtswert [m],Hochwert [m],Höhe [m]"])
 def test_a_total_station_sees_the_tip_of_a_crane(tmp_path, names):
     """East, north and height are x, y and z; the joints of the crane's loop follow its stroke."""

@@ -37,6 +37,8 @@ NUMBERS = (
     "messung",
     "name",
     "target",
+    "station",
+    "stand",
 )
 """Words of columns that name or number poses."""
 
@@ -44,7 +46,8 @@ NUMBERS = (
 def as_poses(columns: Sequence[Logged]) -> list[Logged]:
     """Return the columns of numbers, with rows in place of stamps where these are poses.
 
-    Where all tables name their poses, rows go in the order in which the angles name them first.
+    Where all tables name their poses, rows go in the order in which the angles name them first. Such rows
+    are poses in any order, if there are no stamps.
     """
     numbers = [column for column in columns if not column.texts]
     angles = [column for column in numbers if column.meaning.quantity == "joint_angle"]
@@ -58,7 +61,8 @@ def as_poses(columns: Sequence[Logged]) -> list[Logged]:
     rows = {kind: np.array([order[pose] for pose in poses]) for kind, (_, poses) in names.items()}
     if not names and len({len(column.values) for column in numbers}) == 1:
         rows = {kind: np.arange(len(angles[0].values)) for kind in tables}
-    if not rows or not any(_jumps(column, rows[column.kind]) for column in angles):
+    stamped = not names or any(column.time.column is not None for column in numbers)
+    if not rows or (stamped and not any(_jumps(column, rows[column.kind]) for column in angles)):
         return numbers
     return [
         replace(

@@ -14,14 +14,14 @@ from flexarm.arm import Arm
 from flexarm.importing.guess.logged import Logged, counted
 from flexarm.importing.guess.motion import ALIKE_SPEEDS, Track, agreement, rigid_track
 from flexarm.importing.guess.proposal import Proposal, drives_of
-from flexarm.importing.guess.words import GEODETIC, VECTORS, matched, words_of
+from flexarm.importing.guess.words import VECTORS, matched, words_of
 from flexarm.quantities import QUANTITIES
 from flexarm.units import factor_to
 
 SCALARS = ("joint_angle", "joint_rate", "joint_command", "motor_torque", "current", "motor_voltage")
 MOTOR, OUTPUT = ("mot", "motor", "actuator"), ("se", "link", "out", "output", "secondary", "load", "arm")
 """Words of sides."""
-STROKES = ("stroke", "extension", "hub")
+STROKES = ("stroke", "extension", "hub", "auszug", "ausschub")
 """Words of ways of joints that slide."""
 
 
@@ -76,30 +76,25 @@ def named_after_joints(columns: Sequence[Logged], arm: Arm) -> list[Logged]:
 
 
 def named_by_direction(columns: Sequence[Logged]) -> list[Logged]:
-    """Return the columns, as coordinates x, y, z those that are named east, north and height together."""
+    """Return the columns, as coordinates x, y, z those that are named E, N and H together."""
     groups: dict[tuple[Any, str], dict[str, Logged]] = {}
     for column in columns:
         head, _, last = column.meaning.stem.rpartition(" ")
-        last = column.meaning.axis or last
-        for axis in (a for a, words in GEODETIC.items() if last in words):
-            groups.setdefault((column.kind, head), {})[axis] = column
+        if last in ("e", "n", "h") and not column.meaning.axis:
+            groups.setdefault((column.kind, head), {})[last] = column
+    axes = dict(zip("enh", "xyz", strict=True))
     whole = {
-        id(column): axis
-        for group in groups.values()
-        if len(group) == len("xyz")
-        for axis, column in group.items()
-    }
-    return [
-        replace(
-            c,
+        id(column): replace(
+            column,
             meaning=replace(
-                c.meaning, quantity="position", axis=whole[id(c)], stem="", why="east, north, height"
+                column.meaning, quantity="position", axis=axes[last], stem=head, why="east, north, height"
             ),
         )
-        if id(c) in whole
-        else c
-        for c in columns
-    ]
+        for (_, head), group in groups.items()
+        if len(group) == len(axes)
+        for last, column in group.items()
+    }
+    return [whole.get(id(column), column) for column in columns]
 
 
 def with_quaternions(columns: Sequence[Logged]) -> list[Logged]:

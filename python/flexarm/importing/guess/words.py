@@ -41,12 +41,12 @@ STAMPS = (
     "zeitstempel",
 )
 AXES = "xyzw"
-GEODETIC = {
-    "x": ("e", "east", "easting", "rechtswert", "ostwert"),
-    "y": ("n", "north", "northing", "hochwert", "nordwert"),
-    "z": ("h", "u", "up", "height", "elevation", "hohe", "z"),
+SURVEYED = {
+    **dict.fromkeys(("east", "easting", "ost", "rechtswert"), "x"),
+    **dict.fromkeys(("north", "northing", "nord", "hochwert"), "y"),
+    **dict.fromkeys(("height", "elevation", "hohe", "hoehe"), "z"),
 }
-"""Words of coordinates of a total station, by axis."""
+"""Words of axes, as total stations have them."""
 SHARES = ("%", "‰")
 """Units of columns that are shares of a rated value."""
 SPELT = {"dps": "deg/s", "radps": "rad/s", "mps2": "m/s2", "mss": "m/s2"}
@@ -156,8 +156,9 @@ def meaning_of(name: str, said_unit: str = "", kind: str = "") -> Meaning:
     words = words_of(plain if tail in SPELT else name)
     words = [w for w in words if w != unit.lower() and not (unit == COUNTED and w in COUNTS)]
     pair, sensed, of_pair = _sensed(words)
-    axis = next((w for w in reversed(words) if w in AXES), "") or of_pair
-    stem = " ".join(w for w in words if w not in (axis, pair))
+    surveyed = next((w for w in words if w in SURVEYED), "")
+    axis = next((w for w in reversed(words) if w in AXES), "") or of_pair or SURVEYED.get(surveyed, "")
+    stem = " ".join(w for w in words if w not in (axis, pair, surveyed))
     joined = "".join(words)
     found, why = "", ""
     if any(word in NO_READINGS for word in words):
