@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from flexarm.arrays import Ints
-from flexarm.importing.guess.logged import Logged
+from flexarm.importing.guess.logged import Logged, Stamped
 from flexarm.importing.guess.words import is_stamp, words_of
 from flexarm.record.signal import canonical_pose
 from flexarm.units import factor_to
@@ -62,22 +62,19 @@ def as_poses(columns: Sequence[Logged]) -> list[Logged]:
     if not names and len({len(column.values) for column in numbers}) == 1:
         rows = {kind: np.arange(len(angles[0].values)) for kind in tables}
     stamped = not names or any(column.time.column is not None for column in numbers)
-    if not rows or (stamped and not any(_jumps(column, rows[column.kind]) for column in angles)):
+    size, moving = (
+        max(np.nanstd(column.values) for column in angles),
+        0.1,
+    )  # least deviation over the greatest
+    moved = [column for column in angles if np.nanstd(column.values) > moving * size]
+    if not rows or (stamped and not any(_jumps(column, rows[column.kind]) for column in moved)):
         return numbers
     return [
         replace(
             column,
             values=column.values[turn],
-            time=replace(
-                column.time,
-                column=None,
-                unit=None,
-                seconds=rows[column.kind][turn].astype(float),
-                start=0.0,
-                form=None,
-                unknown="",
-                poses=True,
-                pose=pose,
+            time=Stamped(
+                None, None, rows[column.kind][turn].astype(float), 0.0, column.time.why, poses=True, pose=pose
             ),
         )
         for column in numbers
