@@ -106,6 +106,18 @@ def test_each_joint_of_several_loops_moves_alone_from_where_the_arm_stands():
         assert np.ptp(clip.poses.x, axis=0).max() > 0.1
 
 
+def test_a_record_of_poses_tells_how_one_is_seen(tmp_path, capsys):
+    an_arm().to_toml(tmp_path / "arm.toml")
+    head = 'format = "flexarm-record/1"\nkind = "static"\ndrive = ["shoulder"]\n'
+    head += '[[signals]]\nname = "shoulder"\nquantity = "joint_angle"\njoint = "shoulder"\n'
+    head += 'side = "motor"\nfile = "a.csv"\npose = "pose"\n'
+    (tmp_path / "record.toml").write_text(head + 'channels = ["q"]\n')
+    (tmp_path / "a.csv").write_text("pose,q\n1,0.1\n2,0.3\n")
+    given = ["view", str(tmp_path), "--model", str(tmp_path / "arm.toml"), "--out", str(tmp_path / "p.html")]
+    assert command(given) == 2
+    assert "see one by flexarm view MODEL --joint NAME=VALUE" in capsys.readouterr().err
+
+
 def test_a_page_is_not_written_into_a_picture(tmp_path):
     with pytest.raises(InvalidFile, match=r"must end in \.html or \.htm, got '\.png'"):
         an_arm().view().save(tmp_path / "arm.png")

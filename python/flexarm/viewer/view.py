@@ -159,7 +159,8 @@ def of_record(arm: Arm, record: Record, scale: float = 1.0, urdf: str | Path | N
 def _motion(record: Record) -> Record:
     if record.kind != "motion":
         held = {"static": "poses", "frequency_response": "frequency responses"}[record.kind]
-        raise InvalidParameter(f"holds {held}; only motions are shown", where="kind")
+        pose = "; see one by flexarm view MODEL --joint NAME=VALUE" if record.kind == "static" else ""
+        raise InvalidParameter(f"holds {held}; only motions are shown{pose}", where="kind")
     return record
 
 
