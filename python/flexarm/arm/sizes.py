@@ -79,7 +79,7 @@ def _drives(arm: Arm) -> Iterable[Problem]:
     for joint in arm.joints:
         geared, slides = joint.gear_ratio**2 * joint.rotor_inertia, joint.type == "prismatic"
         moved = own if slides else own * reach(arm) ** 2
-        if mass_of_links(arm) and geared > HEAVIEST * moved:
+        if mass_of_links(arm) and 0 < HEAVIEST * moved < geared:
             unit = "kg" if slides else "kg m2"
             yield Problem(
                 f"joints.{joint.name}.rotor_inertia",

@@ -140,7 +140,7 @@ def test_a_simulation_that_comes_to_no_end_is_said_and_stops_nothing(monkeypatch
     monkeypatch.setattr("flexarm.residual_analysis.noise_floor.simulate_record", fails)
     found = noise_floor(pair)
     assert not found.is_below_noise
-    assert any("tip of record: cannot be simulated with another step" in note for note in found.notes)
+    assert any("tip of record: no convergence with another step" in note for note in found.notes)
     found.plot()
 
 
