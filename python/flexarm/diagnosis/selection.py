@@ -243,7 +243,8 @@ def most_effects(state: SearchState, fit: Fit) -> int:
 def enlarged(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Estimator] | None:
     """Return the best model with an effect more, at first with two or three if one explains too little.
 
-    None if there is no candidate.
+    A freer shape of the first effect's law competes before a second effect does. None if there is no
+    candidate.
     """
     criteria = state.criteria
     moves = CONFLICT if criteria.adequate(best if best.members else state.null) else FORWARD
@@ -251,6 +252,8 @@ def enlarged(state: SearchState, best: Fit, about: Estimator) -> tuple[Fit, Esti
     if not found:
         return None
     better, there = best_proposed(state, about, found, best)
+    if not best.members and criteria.reduces(better, best):
+        better, there = reshaped(state, better, there)
     for size, (name, move) in enumerate(SETS.items(), start=2):
         if best.members or criteria.explains(better):
             break

@@ -107,6 +107,14 @@ def test_what_goes_on_from_the_best_single_effect_competes_with_pairs(search):
     assert best.name == "ab"
 
 
+def test_a_freer_shape_competes_before_a_second_effect(search, monkeypatch):
+    """Dry friction that creeps, where noise of the drive flips the one that does not."""
+    monkeypatch.setitem(COST, "A", 22)
+    shapes = {"shapes": lambda state, best, *_: [fit("A")] if best.name == "a" else []}
+    monkeypatch.setattr(module, "SHAPES", shapes)
+    assert forward(search)[0].name == "A"
+
+
 @pytest.mark.parametrize("elsewhere, chosen", [(["cs"], "cs"), (["xs"], "cd"), ([], "cd")])
 def test_a_pair_that_leaves_a_gap_is_tried_with_the_other_springs(search, monkeypatch, elsewhere, chosen):
     """A soft joint stood for a base that gives way, which no set with it came near; a worse one is none."""
