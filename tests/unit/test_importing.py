@@ -188,20 +188,25 @@ def test_a_current_is_a_torque_by_its_constant_and_the_gear(tmp_path):
     assert 'side = "output"' in said[0]
 
 
-@pytest.mark.parametrize(("order", "columns"), [("xyzw", "qx, qy, qz, qw"), ("wxyz", "qw, qx, qy, qz")])
-def test_quaternions_come_in_either_order(tmp_path, order, columns):
-    names = ", ".join(f'"{name}"' for name in columns.split(", "))
-    text = f"""
+def orientation_map(columns, more):
+    """A map of one orientation with columns of these names."""
+    names = ", ".join(f'"{name}"' for name in columns)
+    return f"""
 format = "flexarm-map/1"
 [[signals]]
 name = "tip"
 source = "log.csv"
 time = {{ rate_hz = 250 }}
 columns = [{names}]
-quaternion = "{order}"
 quantity = "orientation"
 point = "tip"
+{more}
 """
+
+
+@pytest.mark.parametrize(("order", "columns"), [("xyzw", "qx,qy,qz,qw"), ("wxyz", "qw,qx,qy,qz")])
+def test_quaternions_come_in_either_order(tmp_path, order, columns):
+    text = orientation_map(columns.split(","), f'quaternion = "{order}"')
     signal = imported(tmp_path, text, log_csv="qw,qx,qy,qz\n1,0,0,0\n0.8,0.6,0,0\n").signals["tip"]
     assert signal.values.tolist() == [[0, 0, 0, 1], [0.6, 0, 0, 0.8]]
     assert signal.time.tolist() == [0, 0.004]
@@ -210,9 +215,9 @@ point = "tip"
 @pytest.mark.parametrize(
     ("form", "head", "row", "unit"),
     [
-        ("ZYX", "A,B,C", "30,-20,10", "deg"),
-        ("xyz", "roll_rad,pitch_rad,yaw_rad", "0.17453293,-0.34906585,0.52359878", "rad"),
-        ("vector", "rx,ry,rz", "{}", "rad"),
+        ("ZYX", "A,B,C", "30,-20,10", 'unit = "deg"'),
+        ("xyz", "roll_rad,pitch_rad,yaw_rad", "0.17453293,-0.34906585,0.52359878", ""),
+        ("vector", "rx,ry,rz", "{}", ""),
         ("matrix", "a,b,c,d,e,f,g,h,i", "{}", ""),
     ],
 )
@@ -221,25 +226,25 @@ def test_rotations_come_as_angles_vectors_and_matrices(tmp_path, form, head, row
     true = Rotation.from_euler("ZYX", [30, -20, 10], degrees=True)
     numbers = {"vector": true.as_rotvec(), "matrix": true.as_matrix().ravel()}.get(form, ())
     row = row.format(",".join(f"{each:.10f}" for each in numbers))
-    names = ", ".join(f'"{name}"' for name in head.split(","))
-    text = f"""
-format = "flexarm-map/1"
-[[signals]]
-name = "tip"
-source = "log.csv"
-time = {{ rate_hz = 250 }}
-columns = [{names}]
-rotation = "{form}"
-quantity = "orientation"
-point = "tip"
-{f'unit = "{unit}"' if unit == "deg" else ""}
-"""
-    none = ",".join(["0" if form == "matrix" else "nan"] * len(head.split(",")))
+    columns = head.split(",")
+    none = ",".join(["0" if form == "matrix" else "nan"] * len(columns))
+    text = orientation_map(columns, f'rotation = "{form}"\n{unit}')
     signal = imported(tmp_path, text, log_csv=f"{head}\n{row}\n{none}\n").signals["tip"]
     np.testing.assert_allclose(signal.values[0], true.as_quat(), atol=1e-8)
     assert np.isnan(signal.values[1]).all()
-    [said] = problems(tmp_path, text.replace(f'"{form}"', '"zy"'))
+
+
+@pytest.mark.parametrize("order", ["zy", "xxy", "xYz"])
+def test_an_order_of_angles_that_is_none_is_an_error(tmp_path, order):
+    """Two turns about one axis are a single one."""
+    [said] = problems(tmp_path, orientation_map("abc", f'rotation = "{order}"'))
     assert 'an order of angles such as "xyz" or "ZYX"' in said
+
+
+def test_the_order_of_a_quaternion_belongs_to_no_angles(tmp_path):
+    text = orientation_map("abc", 'rotation = "xyz"\nquaternion = "wxyz"')
+    [said] = problems(tmp_path, text)
+    assert "quaternion" in said and "rotation" in said
 
 
 def test_a_mounted_sensor_turns_into_the_axes_of_its_signal(tmp_path):

@@ -65,7 +65,7 @@ def _time(value: Any) -> Any:
 
 
 def _rotation(value: Any) -> Any:
-    if value not in FORMS_OF_ROTATIONS and not re.fullmatch("[xyz]{3}|[XYZ]{3}", str(value)):
+    if value not in FORMS_OF_ROTATIONS and not re.fullmatch(r"(?!.*(.)\1)([xyz]{3}|[XYZ]{3})", str(value)):
         what = 'must be "quaternion", "matrix", "vector", or an order of angles such as "xyz" or "ZYX"'
         raise ValueError(f"{what}, got {value!r}")
     return value
@@ -240,6 +240,8 @@ class SignalMap(Measurement):
             found.append((("mount",), f"{self.quantity} has no three axes that a mount could turn"))
         if self.quaternion != "xyzw" and self.quantity != "orientation":
             found.append((("quaternion",), f"{self.quantity} is no quaternion; only orientation is"))
+        if self.quaternion != "xyzw" and self.rotation != "quaternion":
+            found.append((("quaternion",), f'is no order of a rotation that is "{self.rotation}"'))
         if self.rotation != "quaternion" and self.quantity != "orientation":
             found.append((("rotation",), f"{self.quantity} is no rotation; only orientation is"))
         if self.before_gear and not self.spec.has_side:

@@ -206,11 +206,12 @@ class LinearModel(Result):
         that answer, of the first unit of which one depends on the frequency.
         """
         import matplotlib.pyplot as plt
+        from matplotlib.ticker import MaxNLocator
         from mpl_toolkits.axes_grid1 import make_axes_locatable  # type: ignore[import-untyped]
 
         if not self.input_names:
             raise InvalidParameter("a model without inputs has no frequency response", where="inputs")
-        axes = plt.subplots()[1] if ax is None else ax
+        axes = plt.subplots(gridspec_kw={"left": 0.17})[1] if ax is None else ax
         k = 0 if input is None else _position(self.input_names, input, "input")
         own = np.abs(self.poles) / (2 * np.pi)
         own = np.unique(own[own > 1e-6])
@@ -229,6 +230,7 @@ class LinearModel(Result):
         axes.set(ylabel=f"output over {self.input_names[k]}\n[{unit}/{below}]")
         axes.tick_params(labelbottom=False)
         lower.set(xlabel="frequency [Hz]", ylabel="phase [deg]")
+        lower.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 1.8, 3.6, 4.5, 9, 10]))  # parts of a turn
         axes.legend()
         return axes
 

@@ -101,9 +101,8 @@ def _of_loops(arm: Arm, point: str, values: Mapping[str, Floats]) -> Floats:
     found = np.full((len(next(iter(values.values()))), 3), np.nan)
     for row in range(len(found)):
         with suppress(NotConverged, InvalidParameter):
-            found[row] = statics.at({name: float(each[row]) for name, each in values.items()}).arrays[
-                "position"
-            ][k]
+            closed = statics.at({name: float(each[row]) for name, each in values.items()})
+            found[row] = closed.arrays["position"][k]
     return found
 
 

@@ -62,10 +62,8 @@ def as_poses(columns: Sequence[Logged]) -> list[Logged]:
     if not names and len({len(column.values) for column in numbers}) == 1:
         rows = {kind: np.arange(len(angles[0].values)) for kind in tables}
     stamped = not names or any(column.time.column is not None for column in numbers)
-    size, moving = (
-        max(np.nanstd(column.values) for column in angles),
-        0.1,
-    )  # least deviation over the greatest
+    moving = 0.1  # least deviation of an angle that moves, over the greatest
+    size = max(np.nanstd(column.values) for column in angles)
     moved = [column for column in angles if np.nanstd(column.values) > moving * size]
     if not rows or (stamped and not any(_jumps(column, rows[column.kind]) for column in moved)):
         return numbers
