@@ -26,9 +26,9 @@ void HhtStepperIn<D>::halve(StateIn<D>& state, double h, const Drives& drives, i
     char text[320];
     std::snprintf(
         text, sizeof text,
-        "step %ld, t = %.6g s: residual %.1e N left after %d iterations%s, with the step halved %d "
+        "t = %.6g s: residual %.1e N left after %d iterations%s, with the step halved %d "
         "times to %.1e s%s",
-        statistics_.steps + 1, state.t + h, residual, iteration_,
+        state.t + h, residual, iteration_,
         solver_.singular() ? ", where the matrix is singular or not finite" : "", options_.max_halvings, h,
         undamped ? "; in closed loops alpha = 0 lets forces alternate from step to step, and halved "
                    "steps feed that: take alpha = -0.05"
