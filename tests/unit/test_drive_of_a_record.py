@@ -77,3 +77,22 @@ def test_rows_after_the_end_of_a_drive_that_moves_are_not_compared():
     found = flexarm.compare(arm, record.replace(signals={**record.signals, "hinge": cut}))
     assert "10 of 201 rows of torque lie after the drives, and are not compared" in found.notes
     assert found.signals["torque"].rms["total"] < 1.2 * found.signals["torque"].noise_rms
+
+
+def test_a_drive_of_unstated_noise_is_smoothed_by_what_its_samples_show():
+    t = np.arange(0, 8, 0.01)
+    true = 0.5 * np.sin(2 * np.pi * 0.25 * t) ** 3
+    read = true + 2e-5 * np.random.default_rng(4).standard_normal(len(t))
+
+    def fastest(values, noise_std):
+        signal = Signal(
+            name="hinge", quantity="joint_angle", joint="hinge", time=t, values=values, noise_std=noise_std
+        )
+        drive = flexarm.Drive.from_record(Record(signals=[signal], drive=["hinge"]), crane(effects=[]))
+        polynomial = drive.joints["hinge"].polynomial()
+        return max(abs(polynomial(float(each))[2]) for each in t)
+
+    assert fastest(true, None) == pytest.approx(fastest(true, 0.0), rel=1e-3)
+    assert fastest(read, 0.0) > 1.5 * fastest(true, 0.0)
+    assert fastest(read, None) == pytest.approx(fastest(read, 2e-5), rel=0.05)
+    assert fastest(read, None) < 1.1 * fastest(true, 0.0)

@@ -22,6 +22,7 @@ from flexarm.comparison.moving_start import moving_starts
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.comparison.step_check import step_notes
 from flexarm.drive.lead_in import LEAD
+from flexarm.measurement.drive_noise import with_drive_noise
 from flexarm.measurement.outliers import SMOOTH, row_list
 from flexarm.record import Record
 from flexarm.record.compatibility import unplaced_effects
@@ -88,9 +89,10 @@ def compare(
     >>> print(flexarm.compare(arm, flexarm.Record.load("measured")))  # doctest: +SKIP
     """
     record, removed = clean_drives("", record) if align and simulation is None else (record, [])
+    record, smoothed = with_drive_noise(record) if simulation is None else (record, [])
     pair = simulate_record(arm, record, align, simulation=simulation, step=step, alpha=alpha)
     steps = step_notes(arm, pair, step, alpha) if check_step else ()
-    return comparison_of(pair, align, bands, (*map(_about_removed, removed), *steps))
+    return comparison_of(pair, align, bands, (*map(_about_removed, removed), *smoothed, *steps))
 
 
 def comparison_of(

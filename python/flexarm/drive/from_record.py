@@ -24,6 +24,7 @@ from flexarm.drive.joint_drive import JointDrive
 from flexarm.drive.lead_in import LEAD, led_in
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import ClockError
+from flexarm.measurement.drive_noise import with_drive_noise
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.outliers import drive_outliers
 from flexarm.measurement.smoothing import Pieces, smooth
@@ -42,6 +43,7 @@ def attributes_in(record: Record, arm: Arm) -> dict[str, Any]:
             f'is "{record.kind}": {what} not move the arm; allowed as a drive is a record of kind "motion"',
             where="kind",
         )
+    record = with_drive_noise(record)[0]
     joints: dict[str, JointDrive] = {}
     told = [record.signals[name] for name in record.drive] or list(record.signals.values())
     firsts = [

@@ -310,9 +310,13 @@ def _floors(
         residual = pair.simulated.residual(signal, pair.aligned.placement)
         rows = residual[np.isfinite(residual).all(axis=1)]
         is_drive = signal.name in pair.record.drive
-        smooth = is_drive and pair.record.kind == "motion"
         others = {} if is_drive else variants
         stated = float(np.sqrt(np.mean(pair.simulated.noise(signal) ** 2)))
+        shown = (
+            drive_noise(signal.time, signal.values[:, 0])
+            if is_drive and pair.record.kind == "motion"
+            else estimated_noise(pair, signal, residual)
+        )
         found.append(
             SignalFloor(
                 name,
@@ -320,7 +324,7 @@ def _floors(
                 "rad" if signal.quantity == "orientation" else signal.unit,
                 residual.shape[1],
                 None if signal.noise_std is None else stated,
-                drive_noise(signal.values[:, 0]) if smooth else estimated_noise(pair, signal, residual),
+                shown,
                 {kind: inf if each is None else change(pair, each, signal) for kind, each in others.items()},
                 len(rows),
                 effective_samples(rows),

@@ -154,7 +154,7 @@ def _remarks(signal: Signal) -> list[str]:
                 f"its samples are usually {np.median(steps):.3g} s apart"
             )
     if signal.quantity == "joint_angle" and signal.noise_std and signal.rate_hz >= POLICY.smooth_rate_hz:
-        noise, stated = drive_noise(signal.values[:, 0]), signal.noise_std
+        noise, stated = drive_noise(signal.time, signal.values[:, 0]), signal.noise_std
         if noise and not stated / POLICY.unusual_ratio < noise < stated * POLICY.unusual_ratio:
             found.append(
                 f"the noise of {signal.name} is about {noise:.2g} {signal.unit}, stated is {stated:.2g}"

@@ -23,6 +23,7 @@ from flexarm.comparison.aligned_record import simulate_record
 from flexarm.comparison.drive_outliers import RemovedOutliers, blank_rows, clean_drives
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.errors import InvalidParameter
+from flexarm.measurement.drive_noise import with_drive_noise
 from flexarm.record import Record
 from flexarm.record.plausibility import disjoint_clocks
 from flexarm.record.step_limit import endless
@@ -252,7 +253,8 @@ def _prepare(
     record, notes = drop_missing_channels(name, record.with_units_of(arm))
     record, lost = drop_zero_rows(name, record)
     record, removed = clean_drives(name, record)
-    return record, removed, [*notes, *lost]
+    record, smoothed = with_drive_noise(record)
+    return record, removed, [*notes, *lost, *(f"{name}: {remark}" for remark in smoothed)]
 
 
 def _judge(

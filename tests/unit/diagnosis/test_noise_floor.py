@@ -38,14 +38,22 @@ def test_noise_of_white_samples_is_theirs():
 
 def test_too_few_samples_tell_no_noise():
     assert quiet_band_noise(np.arange(20.0), np.ones((20, 1))) is None
-    assert drive_noise(np.ones(20)) is None
+    assert drive_noise(np.arange(20.0), np.ones(20)) is None
     assert repeated_noise(np.array(["a", "b"]), np.ones((2, 1))) is None
 
 
 def test_noise_of_a_drive_is_seen_beside_its_motion():
     time = np.arange(0, 30, 0.004)
     samples = np.sin(2 * np.pi * 0.3 * time) + 2e-6 * np.random.default_rng(1).standard_normal(len(time))
-    assert drive_noise(samples) == pytest.approx(2e-6, rel=0.05)
+    assert drive_noise(time, samples) == pytest.approx(2e-6, rel=0.05)
+
+
+def test_uneven_stamps_are_no_noise_of_a_drive():
+    rng = np.random.default_rng(2)
+    time = np.cumsum(rng.uniform(0.008, 0.012, 1000))
+    assert drive_noise(time, np.sin(2 * np.pi * time)) < 1e-6
+    noisy = np.sin(2 * np.pi * time) + 1e-4 * rng.standard_normal(1000)
+    assert drive_noise(time, noisy) == pytest.approx(1e-4, rel=0.1)
 
 
 def test_repeats_of_poses_show_their_scatter():
