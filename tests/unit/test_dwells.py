@@ -96,14 +96,9 @@ def dry_friction(angle, width=2e-5):
     return z
 
 
-@pytest.mark.parametrize(
-    ("profile", "error"), [(smooth_start, 0.02), (cosine, 0.25), (constant_acceleration, 0.25)]
-)
-def test_a_motor_that_stops_keeps_its_friction(profile, error):
-    """Two moves with a stand after each, in five noises: no turning back, of which half a sigma is 1e-6 rad.
-
-    Where the acceleration jumps between two samples the instant is not known, and 1e-5 rad may be lost.
-    """
+@pytest.mark.parametrize("profile", [smooth_start, cosine, constant_acceleration])
+def test_a_motor_that_stops_keeps_its_friction(profile):
+    """Two moves with a stand after each, in five noises: turning back by half a sigma would lose 5 %."""
 
     def angle(time):
         rises = [profile(np.clip((time - begin) / 1.3, 0, 1)) for begin in (2.03, 7.21)]
@@ -115,7 +110,17 @@ def test_a_motor_that_stops_keeps_its_friction(profile, error):
     for seed in range(5):
         breaks, coefficients = smooth(TIME, noisy(angle(TIME), seed), NOISE)
         squares.append(np.mean((dry_friction(PPoly(coefficients, breaks)(fine)) - true) ** 2))
-    assert np.sqrt(np.mean(squares)) < error
+    assert np.sqrt(np.mean(squares)) < 0.02
+
+
+def test_a_gentle_start_below_the_noise_makes_no_jerk():
+    """The move is hidden by 50 urad for 50 ms; a spline that stands until then would have to catch up."""
+    time = np.arange(0, 12, 1e-3)
+    rises = [smooth_start(np.clip((time - begin) / 2, 0, 1)) for begin in (3, 8)]
+    true = rises[0] - 0.6 * rises[1]
+    drive = PPoly(*smooth(time, noisy(true, 1, 5e-5), 5e-5)[::-1])
+    acceleration = np.gradient(np.gradient(true, 1e-3), 1e-3)
+    assert np.abs(drive(time, 2) - acceleration)[5:-5].max() < 1.0
 
 
 def test_an_overshoot_above_the_noise_stays():

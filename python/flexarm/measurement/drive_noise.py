@@ -20,9 +20,6 @@ from flexarm.record import Record, Signal
 from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.wording import with_unit
 
-LEAST_DIFFERENCES = 128
-"""Fewer differences tell no noise: the median of as many errs by a tenth."""
-
 
 def drive_noise(time: Floats, samples: Floats) -> float | None:
     """Return 1 sigma of samples of a smooth motion by (1); None if they are few.
@@ -30,10 +27,10 @@ def drive_noise(time: Floats, samples: Floats) -> float | None:
     Both have shape (n,). Samples that are not finite are drop-outs.
     """
     order = 6  # a motion of 1 Hz, sampled at 50 Hz, shows 1e-7 of its amplitude in (1)
-    most = 20_000  # differences; more tell no more
+    least, most = 128, 20_000  # differences: the median of 128 errs by a tenth; more than 20 000 tell no more
     known = np.isfinite(samples)
     time, samples = time[known], samples[known]
-    if len(samples) < LEAST_DIFFERENCES + order:
+    if len(samples) < least + order:
         return None
     first = np.unique(np.linspace(0, len(samples) - 1 - order, most).astype(np.intp))
     rows = first[:, None] + np.arange(order + 1)
