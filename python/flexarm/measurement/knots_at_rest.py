@@ -178,7 +178,7 @@ def _breaking_monotonicity(coefficients: Floats, outwards: Sequence[int]) -> set
 def _parted(
     breaks: Indices, dwells: Sequence[Dwell], distances: Sequence[int]
 ) -> tuple[Indices, tuple[int, ...]]:
-    """Return breaks at the ends of dwells and `distances` beside them, none within, and constant intervals."""
+    """Return breaks at the ends of dwells and `distances` beside them, and the constant intervals."""
     keep: NDArray[np.bool_] = np.zeros(breaks[-1] + 1, dtype=bool)
     keep[breaks] = True
     held = []
