@@ -170,7 +170,7 @@ def alternatives_of(
         tell(f"alternative {number + 1} of {len(wanted)} to effect {k + 1}", share)
         try:
             fit = known.get(candidate.place) or estimator.trial((candidate, *others), best, limit)
-            if (alike := candidate.acting_as(chosen)) is not None:
+            for alike in filter(None, (candidate.acting_as(chosen), candidate.shaped_as(chosen))):
                 fit = min(fit, estimator.trial((alike, *others), best, limit), key=lambda f: f.cost)
             fit, behind = _refined_model(fit, best, peer, estimator, open_gap)
         except FIT_ERRORS:

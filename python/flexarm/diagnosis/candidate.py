@@ -156,6 +156,14 @@ class Candidate:
         values = self.effect.acting_as(other.effect, other.without, self.without)
         return None if values is None else replace(self, effect=self._at(values))
 
+    def shaped_as(self, other: Candidate) -> Candidate | None:
+        """Return this candidate with what of its shape is free in another one alone; None if nothing is."""
+        shape = {name for name in other.free if name in other.effect.shape and name in self.effect.shape}
+        values = {name: other.value_of(name) for name in other.free if name in shape - set(self.free)}
+        if not values or len(self.spots) > 1:
+            return None
+        return replace(self, effect=self.effect.with_parameters(values), free=(*self.free, *values))
+
     def _at(self, values: Mapping[str, float]) -> Effect:
         return self.effect.with_parameters({k: v for k, v in values.items() if k in self.free})
 

@@ -97,6 +97,19 @@ def test_each_shape_frees_parameters_that_have_priors(kind):
         assert not again & {*each.free}
 
 
+def test_the_alternative_to_a_shaped_friction_has_its_shape_free():
+    """On a rigid joint friction of the motor and of the output bearing act alike, in each shape."""
+    coulomb, motor = (
+        Candidate(effect, tuple(effect.null(nominal())), (effect,), effect.null(nominal()))
+        for effect in (kind.typical("hinge", nominal()) for kind in (CoulombFriction, MotorFriction))
+    )
+    assert motor.shaped_as(coulomb) is None
+    wide = next(iter(coulomb.reshaped()))
+    alike = motor.shaped_as(wide)
+    assert alike.free == (*motor.free, "width")
+    assert alike.effect.width == wide.effect.width
+
+
 def test_a_model_with_a_friction_that_creeps_swings_as_one_without_flexarm():
     """The tip of the pendulum with the whole law against the independent integration, within 20 um."""
     cause, true = HIDDEN["falls with the rate"]

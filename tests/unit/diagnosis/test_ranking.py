@@ -30,7 +30,8 @@ class Made:
 
     @property
     def members(self):
-        return (SimpleNamespace(place=self.places[0], acting_as=lambda other: None),)
+        alone = {"acting_as": lambda other: None, "shaped_as": lambda other: None}
+        return (SimpleNamespace(place=self.places[0], **alone),)
 
     @property
     def projected(self):
