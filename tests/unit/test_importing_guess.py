@@ -736,6 +736,27 @@ def test_four_columns_of_unit_length_are_a_quaternion(logs):
     assert "# unknown: columns: whether w is the first" in text
 
 
+@pytest.mark.parametrize(
+    ("names", "rotation"),
+    [("A,B,C", "ZYX"), ("roll [deg],pitch [deg],yaw [deg]", "xyz"), ("rx [rad],ry [rad],rz [rad]", "vector")],
+)
+def test_three_angles_beside_a_point_are_an_orientation_that_waits_for_a_person(logs, names, rotation):
+    """A controller may have computed them; without its comment marks the map reads them as they are."""
+    t = np.arange(0.3, 7.5, 0.01)
+    write_robot(logs, {"pan_deg": np.degrees(angles(t)["pan"]), "lift_deg": np.degrees(angles(t)["lift"])}, t)
+    turned = Rotation.from_euler("zy", np.column_stack([angles(t)["pan"], angles(t)["lift"]]))
+    shown = turned.as_rotvec() if rotation == "vector" else turned.as_euler(rotation, degrees=True)
+    seen = 1000 * place(Arm.from_toml(logs / "arm.toml"), t)
+    write_table(logs / "hand.csv", f"time_s,X [mm],Y [mm],Z [mm],{names}", t[:, None], seen, shown)
+    data, text = guessed(logs, "robot.csv", "hand.csv")
+    assert {s["name"] for s in data["signals"]} == {"pan", "lift", "tip"}
+    assert "# unknown: quantity: whether it was measured" in text
+    start = text.rindex("[[signals]]")
+    proposed = tomllib.loads(text[start - 2 :].replace("\n# ", "\n").lstrip("# "))["signals"][0]
+    assert (proposed["quantity"], proposed["rotation"]) == ("orientation", rotation)
+    assert proposed["unit"] == ("rad" if rotation == "vector" else "deg")
+
+
 def test_states_of_a_controller_do_not_part_its_joints(logs):
     t = np.arange(0, 8, 0.004)
     rows = zip(t, *(np.degrees(q) for q in angles(t).values()), strict=True)

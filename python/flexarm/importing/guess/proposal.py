@@ -81,7 +81,7 @@ class Proposal:
 
     def factor(self) -> float:
         """Return the factor to SI of its unit."""
-        units = QUANTITIES[self.quantity].units
+        units = ("rad",) if "rotation" in self.keys else QUANTITIES[self.quantity].units
         return unit_factor(self.keys.get("unit", units[0]), units) if units else 1.0
 
     def take(self, option: Option) -> None:

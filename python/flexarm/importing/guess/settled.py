@@ -31,13 +31,16 @@ def settle_units(proposals: Sequence[Proposal], arm: Arm) -> None:
     """Give units: by name; of coordinates by size; of angles by the model's motion, family by family."""
     for proposal in proposals:
         unit = proposal.first.meaning.unit
-        units = QUANTITIES[proposal.quantity].units
+        turned = "rotation" in proposal.keys
+        units = ("rad",) if turned else QUANTITIES[proposal.quantity].units
         fits = unit and any(factor_to(si, unit) is not None for si in units)
-        if fits and proposal.quantity != "orientation":
+        if fits and (turned or proposal.quantity != "orientation"):
             proposal.keys["unit"], proposal.why["unit"] = unit, "the log says it"
         elif unit and units and not (proposal.counts or proposal.unknown.get("unit")):
             proposal.unknown["scale"] = f"{units[0]} per {unit}, in which the log is"
             proposal.out = True
+        elif turned:
+            _settle_rotation(proposal)
         elif proposal.quantity == "position":
             far = float(np.nanmax([np.nanmax(np.abs(column.values)) for column in proposal.columns]))
             proposal.keys["unit"] = "mm" if far > 50 else "m"
@@ -59,6 +62,19 @@ def settle_units(proposals: Sequence[Proposal], arm: Arm) -> None:
     seen = sorted((p for p in points if len(p.track().time) > 8), key=lambda p: -p.track().size)
     for family in families.values():
         _settle_family(family, seen, arm)
+
+
+def _settle_rotation(proposal: Proposal) -> None:
+    """Give the unit of three angles by their size; in degrees they are angles more often than a vector."""
+    size = [column.values for column in proposal.columns]
+    far = float(np.nanmax(np.abs(size)))
+    proposal.keys["unit"] = "deg" if far > 2 * pi else "rad"
+    proposal.why["unit"] = f"values up to {far:.4g}"
+    if proposal.keys["unit"] == "rad":
+        proposal.unknown["unit"] = "small angles may be in deg"
+    elif proposal.keys["rotation"] == "vector":
+        proposal.keys["rotation"] = "xyz"
+        proposal.unknown["rotation"] = "an order of angles, as taken, or an axis times an angle"
 
 
 def _settle_family(family: Sequence[Proposal], seen: Sequence[Proposal], arm: Arm) -> None:

@@ -75,49 +75,6 @@ def named_after_joints(columns: Sequence[Logged], arm: Arm) -> list[Logged]:
     ]
 
 
-def named_by_direction(columns: Sequence[Logged]) -> list[Logged]:
-    """Return the columns, as coordinates x, y, z those that are named E, N and H together."""
-    groups: dict[tuple[Any, str], dict[str, Logged]] = {}
-    for column in columns:
-        head, _, last = column.meaning.stem.rpartition(" ")
-        if last in ("e", "n", "h") and not column.meaning.axis:
-            groups.setdefault((column.kind, head), {})[last] = column
-    axes = dict(zip("enh", "xyz", strict=True))
-    whole = {
-        id(column): replace(
-            column,
-            meaning=replace(
-                column.meaning, quantity="position", axis=axes[last], stem=head, why="east, north, height"
-            ),
-        )
-        for (_, head), group in groups.items()
-        if len(group) == len(axes)
-        for last, column in group.items()
-    }
-    return [whole.get(id(column), column) for column in columns]
-
-
-def with_quaternions(columns: Sequence[Logged]) -> list[Logged]:
-    """Return the columns, as an orientation four whose squares sum to 1.
-
-    They stand in a row of one table, and their names differ by numbers alone.
-    """
-    found = list(columns)
-    rounded = 1e-3  # how far the sum may be from 1
-    for k in range(len(found) - 3):
-        four = found[k : k + 4]
-        stems = {(c.kind, re.sub(r"\d+", "", c.meaning.stem), c.meaning.axis) for c in four}
-        length = sum(np.square(c.values) for c in four if len(c.values) == len(four[0].values))
-        if len(stems) == 1 and not four[0].meaning.axis and np.nanmax(np.abs(length - 1.0)) < rounded:
-            why = "squares of four columns sum to 1"
-            turned = [replace(c.meaning, quantity="orientation", stem="", why=why) for c in four]
-            found[k : k + 4] = [
-                replace(c, meaning=replace(m, axis=axis))
-                for c, m, axis in zip(four, turned, "wxyz", strict=True)
-            ]
-    return found
-
-
 def _ways_named_as_axes(columns: Sequence[Logged], arm: Arm) -> list[Logged]:
     """Return coordinates that are named after joints that slide, and after no point.
 
@@ -170,11 +127,13 @@ def point_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
     known = [point.name for point in arm.points]
     found = []
     for ((file, topic, _), stem, quantity), members in families.items():
-        wanted = "xyzw" if quantity == "orientation" else "xyz"
+        rotation = members[0].meaning.rotation
+        wanted = "xyzw" if quantity == "orientation" and not rotation else "xyz"
         by_axis = {column.meaning.axis: column for column in members if column.meaning.axis in wanted}
         axes = [axis for axis in wanted if axis in by_axis]
         still = all(by_axis[axis].rests for axis in axes)  # a device that does not fill the field
-        if not axes or (quantity == "orientation" and len(axes) < 4) or (quantity != "position" and still):
+        whole = quantity != "orientation" or len(axes) == len(wanted)
+        if not axes or not whole or (quantity != "position" and still):
             continue
         label = members[0].label
         point = matched(f"{stem} {topic or ''} {label}", known) or matched(Path(file).stem, known)
@@ -182,7 +141,13 @@ def point_signals(columns: Sequence[Logged], arm: Arm) -> list[Proposal]:
         proposal.why["quantity"] = by_axis[axes[0]].meaning.why
         if point:
             proposal.why["point"] = "its name stands in the log's"
-        if quantity == "orientation" and not stem:
+        if rotation:
+            proposal.keys["rotation"] = rotation
+            proposal.unknown["quantity"] = (
+                "whether it was measured, not computed from the joints, and is that of the link's axes"
+            )
+            proposal.out = True
+        elif quantity == "orientation" and not stem:
             proposal.unknown["columns"] = "whether w is the first of the four, as taken, or the last"
         if quantity != "orientation" and axes != ["x", "y", "z"]:
             proposal.keys["axes"] = axes

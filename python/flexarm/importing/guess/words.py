@@ -47,6 +47,13 @@ SURVEYED = {
     **dict.fromkeys(("height", "elevation", "hohe", "hoehe"), "z"),
 }
 """Words of axes, as total stations have them."""
+ROTATIONS = {
+    ("a", "b", "c"): "ZYX",
+    ("w", "p", "r"): "xyz",
+    ("roll", "pitch", "yaw"): "xyz",
+    ("rx", "ry", "rz"): "vector",
+}
+"""Last words of three columns beside x, y, z of a robot's hand, and what they are as `rotation` of a map."""
 SHARES = ("%", "‰")
 """Units of columns that are shares of a rated value."""
 SPELT = {"dps": "deg/s", "radps": "rad/s", "mps2": "m/s2", "mss": "m/s2"}
@@ -103,6 +110,8 @@ class Meaning:
     """Unit that the name or the file gives; empty if none."""
     why: str
     """The reason, for a person."""
+    rotation: str = ""
+    """What three columns of an orientation are, as a map's `rotation` says it."""
 
 
 def words_of(name: str) -> list[str]:

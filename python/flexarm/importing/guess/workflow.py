@@ -24,16 +24,15 @@ from flexarm.importing.guess.settled import settle_motion, settle_noise, settle_
 from flexarm.importing.guess.signals import (
     joint_signals,
     named_after_joints,
-    named_by_direction,
     of_joint_type,
     point_signals,
     settle_doubles,
     settle_places,
     unnamed_points,
-    with_quaternions,
 )
 from flexarm.importing.guess.signs import settle_signs
 from flexarm.importing.guess.text import map_text
+from flexarm.importing.guess.vectors import named_by_direction, with_quaternions, with_rotations
 
 
 @takes(files=ITEMS, model=PATH, out=PATH)
@@ -50,7 +49,7 @@ def guess_map(files: Iterable[Path], model: str | Path, out: str | Path) -> str:
         for path in map(Path, files)
         for column in logged(path, os.path.relpath(path.absolute(), folder).replace(os.sep, "/"))
     ]
-    columns = with_quaternions(named_by_direction(columns))
+    columns = with_rotations(with_quaternions(named_by_direction(columns)))
     columns = as_poses(named_after_joints(columns, arm))
     stamped = [c for c in columns if c.time.column is not None or c.time.poses] or columns
     proposals = [*joint_signals(stamped, arm), *point_signals(stamped, arm)]
