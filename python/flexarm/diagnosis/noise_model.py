@@ -8,11 +8,12 @@ its noise remains and moves all that the drive moves, lightly damped modes most.
 
     y'_i = step round((f(t_i) + n_i + u)/step) - u,    u uniform within a step                         (1)
 
-smoothed anew, is as far from f as f is from the truth. step is that of the grid on which the readings lie
+smoothed anew, is about as far from f as f is from the truth. step is that of the grid of the readings
 (`flexarm.record.quantisation_grid`), n_i is white, and both together are as large as the record states;
 without a grid, or with one that this noise does not cover, y' = f + n. Counts are no white noise: while a
-joint hardly moves all readings err alike. Angles of poses are not smoothed; f is their reading. The
-difference of the simulations along both is an error of each channel.
+joint hardly moves all readings err alike. Where most readings repeat one u errs up to ten times as much
+as another, and the greatest of the draws counts, `quantisation_factor` times. Angles of poses are not
+smoothed; f is their reading. The difference of the simulations along both is an error of each channel.
 
 **Discretisation error.** Richardson extrapolation (`Problem.correction`) assumes second order. Motions with
 impacts have no order: after some of them the motions of two time steps diverge. With r(h) the residual and
@@ -107,8 +108,26 @@ def allow_for_input_noise(problem: Problem, arm: Arm) -> None:
             if max(squares[0], default=0.0) < NOISE_MODEL.negligible**2:
                 return
         if squares:
-            rows = zip(problem.rows, np.mean(squares, axis=0).tolist(), strict=True)
+            square = np.mean(squares, axis=0)
+            if any(_shows_counts(signal) for signal in _driving_encoders(problem.records)):
+                square = NOISE_MODEL.quantisation_factor**2 * np.max(squares, axis=0)
+            rows = zip(problem.rows, square.tolist(), strict=True)
             problem.rows = tuple(replace(each, input_noise=max(each.input_noise, s)) for each, s in rows)
+
+
+def _driving_encoders(records: Mapping[str, Record]) -> Iterator[Signal]:
+    """Yield the angles that drive motions."""
+    for record in records.values():
+        for name in record.drive if record.kind == "motion" else ():
+            if record.signals[name].quantity == "joint_angle":
+                yield record.signals[name]
+
+
+def _shows_counts(signal: Signal) -> bool:
+    """Return True for counts of which the stated noise is the rounding: most readings repeat."""
+    values = signal.values[signal.valid, 0]
+    counted = 0 < quantisation_step(values) <= NOISE_MODEL.coarse_count * (signal.noise_std or 0.0)
+    return counted and bool(np.median(np.abs(np.diff(values))) == 0)
 
 
 def input_noise_by_signal(problem: Problem) -> dict[str, float]:

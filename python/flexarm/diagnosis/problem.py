@@ -132,6 +132,10 @@ class Problem:
         motions = (each for each in self.rows if self.records[each.record].kind == "motion")
         return max((float(np.ptp(each.time)) for each in motions), default=0.0)
 
+    def expected_cost(self, non_smooth: bool) -> float:
+        """Return the sum of squares of the residual of a right model."""
+        return sum((1 + each.explained_square(non_smooth)) * len(each.time) for each in self.rows)
+
     def channels(self) -> Iterator[tuple[Rows, slice]]:
         """Rows by channel."""
         for each in self.rows:

@@ -297,7 +297,7 @@ def best_proposed(
     """Return the best of some models, or with one of its springs elsewhere where that is better."""
     criteria, problem = state.criteria, state.criteria.problem
     best, about = best_of(about, fits, old, criteria)
-    near = best.cost < criteria.policy.model_errors * len(problem)
+    near = best.cost < criteria.policy.model_errors * problem.expected_cost(best.non_smooth)
     if near and criteria.leaves_gap(best) and criteria.policy.allows("model_errors"):
         arm = about.with_effects(best.members)
         allow_for_input_noise(problem, arm)

@@ -16,6 +16,7 @@ from flexarm.diagnosis.noise_model import (
     input_noise_remarks,
     weighted_by_input_noise,
 )
+from flexarm.diagnosis.policy import NOISE_MODEL
 from flexarm.diagnosis.problem import Problem
 from flexarm.effects import JointCompliance
 from flexarm.record import Clock, Frame
@@ -29,15 +30,15 @@ def arm():
     return crane(effects=[]).with_effect(JointCompliance(at="hinge", stiffness=1.4e5, damping=180.0))
 
 
-def problem(arm, noise):
+def problem(arm, noise, step=0.0, amplitude=0.4):
     """The tip beside the model along what an encoder showed of quick moves, all else exact."""
     t = np.arange(0, 20, 0.01)
-    angle = 0.4 * np.sin(2 * np.pi * 0.4 * t) * smooth_step(t / 3)
+    angle = amplitude * np.sin(2 * np.pi * 0.4 * t) * smooth_step(t / 3)
     run = flexarm.simulate(arm, flexarm.Drive.from_samples(t, {"hinge": angle}), step=4e-3)
     encoder = {"quantity": "joint_angle", "joint": "hinge", "rate_hz": 100, "clock": "plc"}
     record = flexarm.measure(
         run,
-        [Sensor(name="hinge", noise_std=noise, **encoder), tracker("tip", noise=TRACKER)],
+        [Sensor(name="hinge", noise_std=noise, step=step, **encoder), tracker("tip", noise=TRACKER)],
         np.random.default_rng(5),
         drive=["hinge"],
         clocks={"plc": Clock(), "tracker": Clock()},
@@ -61,6 +62,17 @@ def test_the_right_model_leaves_no_gap_but_the_noise_that_is_foretold(arm):
     [said] = input_noise_remarks(input_noise_by_signal(there), there)
     assert said.startswith("noise of hinge, as stated, moves tip by ")
     assert said.endswith(" times its noise, which is no gap")
+
+
+def test_of_counts_that_repeat_the_greatest_error_counts_twice(arm):
+    """Counts of 0.3 mrad in a motion of 3 mrad: most readings equal the one before."""
+    there = problem(arm, 0.0, 3e-4, 3e-3)
+    residual = there.residual(arm)
+    drawn = input_noise_errors(there, arm)[: NOISE_MODEL.draws]
+    greatest = [4 * max(float(np.mean(error[row.where] ** 2)) for error in drawn) for row in there.rows]
+    allow_for_input_noise(there, arm)
+    assert [row.input_noise for row in there.rows] == pytest.approx(greatest)
+    assert left(there, residual).max() < 1.0
 
 
 def test_a_gap_stays_a_gap(arm):

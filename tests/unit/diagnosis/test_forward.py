@@ -29,7 +29,7 @@ NOTHING = SimpleNamespace(channels=lambda: [], records={}, policy=SelectionPolic
 """As much of `Problem` as is asked for: no channel."""
 
 
-BARE = SimpleNamespace(members=(), places=(), cost=100.0)
+BARE = SimpleNamespace(members=(), places=(), cost=100.0, non_smooth=False)
 CRITERIA = Criteria(NOTHING, BARE)
 STATE = SearchState([], BARE, BARE, None, CRITERIA, {})
 
@@ -42,14 +42,17 @@ class Rows(SimpleNamespace):
     def __len__(self):
         return 10
 
+    def expected_cost(self, non_smooth):
+        return 10.0
+
 
 def fit(names):
-    return SimpleNamespace(members=tuple(names), cost=COST[names], name=names)
+    return SimpleNamespace(members=tuple(names), cost=COST[names], name=names, non_smooth=False)
 
 
 def fits_all(members, nearby=None, limit=np.inf):
     """What a estimator finds of effects that are names: a model that leaves as much as all others."""
-    return SimpleNamespace(name=members[0], places=members, members=(), cost=50.0)
+    return SimpleNamespace(name=members[0], places=members, members=(), cost=50.0, non_smooth=False)
 
 
 def names(fits):
@@ -461,6 +464,6 @@ def test_errors_of_a_model_are_allowed_for_where_they_may_be_all_that_is_left(se
     monkeypatch.setattr(module, error, lambda problem, arm: asked.append(arm))
     about = SimpleNamespace(with_effects=lambda members: "".join(members))
     for cost in (35.0, 400.0):  # 3.5 and 40 times the noise
-        one = SimpleNamespace(members=("a",), cost=cost, places=(), name="a")
+        one = SimpleNamespace(members=("a",), cost=cost, places=(), name="a", non_smooth=False)
         module.best_proposed(found, about, [one], found.null)
     assert asked == ["a"]
