@@ -174,8 +174,15 @@ def springs_first(members: Iterable[Candidate]) -> list[Candidate]:
 
 
 def with_members(arm: Arm, members: Iterable[Candidate]) -> Arm:
-    """Return a model with effects, and with what they need."""
+    """Return a model with effects, and with what they need.
+
+    Raise InvalidParameter if one effect is twice at a place, such as alone and in a family.
+    """
+    spots: set[tuple[str, str]] = set()
     for member in springs_first(members):
+        if spots & member.spots:
+            raise InvalidParameter(f"{member.name} is twice at one place", where="members")
+        spots |= member.spots
         arm = member.enter(arm)
     return arm
 

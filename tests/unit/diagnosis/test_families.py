@@ -10,11 +10,11 @@ from scipy.integrate import dblquad
 from tests.helpers.soft_arms import JOINTS, poses_of, soft_arm
 
 import flexarm
-from flexarm import Arm
+from flexarm import Arm, InvalidParameter
 from flexarm.arm.effect import effect_class
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.acceptance import Criteria
-from flexarm.diagnosis.candidate import Candidate
+from flexarm.diagnosis.candidate import Candidate, with_members
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.family import EffectFamily, HierarchicalPrior, family_of
@@ -100,6 +100,13 @@ def test_a_shared_size_is_that_of_all_places():
     assert family().keys_of("stiffness") == [
         f"effects.joint_compliance.{joint}.stiffness" for joint in ("j1", "j2")
     ]
+
+
+def test_no_model_has_a_spring_both_alone_and_in_a_family():
+    """Derivatives had a column fewer than parameters: alternatives of an effect ended in a traceback."""
+    [alone] = [Candidate(each, ("stiffness",), (each,), {}) for each in springs("j1")]
+    with pytest.raises(InvalidParameter, match="twice at one place"):
+        with_members(soft_arm(2), [alone, family()])
 
 
 def test_an_opened_family_names_each_size_after_its_place():
