@@ -61,6 +61,21 @@ def test_a_search_begins_with_a_spring_as_stiff_as_slides_are():
     assert spring.first_stiffness(SLIDES) == approx(1e7)
 
 
+def test_springs_of_a_heavy_machine_are_stiffer_in_proportion_and_alike_at_its_joints():
+    """The house of an excavator turns on a drive of 1e7 N m/rad, and no search from 1e5 finds it."""
+    tip = {"name": "wrist", "type": "revolute", "parent": "rod", "child": "hand", "axis": [0, 1, 0]}
+    tables = {"joints": [hinge("axis", "rod"), tip], "links": [rigid("rod", 4, [0, 0, 1], [0, 2, 2])]}
+    load = {"name": "load", "link": "rod", "position": [0, 0, 3], "mass": 2e3}
+    tables["links"].append(rigid("hand", 2, [0, 0, 2], [0, 1, 1]))
+    heavy = Arm.from_dict({**tables, "payloads": [load]})
+    times = (4 * 1 + 2e3 * 3 + 2 * 2) / 63
+    for at in ("axis", "wrist"):
+        spring = JointCompliance(at=at)
+        assert spring.first_stiffness(heavy) == approx(times * 1e5)
+        prior = priors_in(spring, heavy)["stiffness"]
+        assert (prior.low, prior.high) == (approx(3e3), approx(times * 4e6))
+
+
 def test_what_follows_from_a_stated_spring_or_motor_keeps_to_it():
     """Damping and cubic stiffness go with the stiffness in N/m, friction with what the motor overcomes."""
     spring = JointCompliance(at="axis", stiffness=4e6)

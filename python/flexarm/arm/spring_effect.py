@@ -4,6 +4,15 @@ r"""Springs with dampers: effects whose prediction is linear in the flexibility 
 
 In series flexibilities 1/k add up, and so do the losses c/k^2. A spring about two axes has a stiffness for
 each; a search then begins with one of them soft and the other as good as rigid.
+
+Reducers and bearings are chosen by their load, and their stiffness goes with it. Typical stiffnesses are
+stated for the paper's arm, which carries S_0 = 63 kg m. Where joints carry S = sum m d, of masses m at
+distances d,
+
+.. math:: k_{typical} \to k_{typical} \max(1, S/S_0)                                                  (2)
+
+with the greatest S of the machine. Small joints at its end are no stiffer for that: the range of plausible
+stiffnesses gains at its upper end only.
 """
 
 from __future__ import annotations
@@ -20,6 +29,7 @@ from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.joint_units import along, priors_in
 from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.arm.rotation import Vector
+from flexarm.arm.weight import carried_moment
 from flexarm.tables import Inconsistent, Number, Vector2, to_python
 
 
@@ -64,6 +74,8 @@ class SpringEffect(Effect):
     """The same of a stated spring, besides `softer`."""
     stated_within: ClassVar[float] = 5.0
     """Factor within which 95 % of springs are as stated."""
+    usual_load: ClassVar[float] = 63.0
+    """S_0 of (2) [kg m]."""
     rigid: ClassVar[float] = 1e12
     """About one of two axes a spring as stiff as this counts as rigid [N m/rad]."""
 
@@ -123,7 +135,15 @@ class SpringEffect(Effect):
 
     def first_stiffness(self, arm: Arm) -> float:
         """Return the stiffness [N m/rad, N/m] that a search begins with where the model states none."""
-        return self.typical_stiffness * along(self, arm, "stiffness", "N m/rad")
+        return self.typical_in(arm) * along(self, arm, "stiffness", "N m/rad")
+
+    def typical_in(self, arm: Arm) -> float:
+        """Return the typical stiffness about a joint of a machine as heavy as this one, eq. (2)."""
+        return self.typical_stiffness * self.heavier(arm)
+
+    def heavier(self, arm: Arm) -> float:
+        """Return the factor of (2)."""
+        return max(1.0, carried_moment(arm) / self.usual_load)
 
     def trials(
         self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]

@@ -18,11 +18,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from math import hypot
+from math import dist, hypot
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from flexarm.arm.arm import Arm
 from flexarm.arm.inertia import Matrix, inertia_matrix
 from flexarm.arm.joint import Joint
 from flexarm.arm.link import Beam, Link, RigidLink, SuperElementLink
@@ -43,6 +42,9 @@ from flexarm.arm.rotation import (
     times,
     transposed,
 )
+
+if TYPE_CHECKING:
+    from flexarm.arm.arm import Arm
 
 NONE: Mapping[str, float] = MappingProxyType({})
 
@@ -118,6 +120,25 @@ def weight_statement(
         for load in arm.payloads
     }
     return WeightStatement(links, payloads, combined([*links.values(), *payloads.values()]))
+
+
+def carried_moment(arm: Arm) -> float:
+    """Return the greatest sum m d [kg m] of what a joint carries, 0 without joints.
+
+    d is the distance of each centre from the joint's origin at q = 0: the moment of the stretched arm,
+    whatever the direction of its axes.
+    """
+    weights, frames = weight_statement(arm), link_frames(arm)
+    bodies = {name: [body] for name, body in weights.links.items()}
+    for load in arm.payloads:
+        bodies[link_of(load.link)].append(weights.payloads[load.name])
+    greatest = 0.0
+    for joint in reversed(from_base(arm.joints)):  # from the tips to the base
+        child, parent = link_of(joint.child), link_of(joint.parent)
+        origin = frames[child][1]
+        greatest = max(greatest, sum(body.mass * dist(body.centre, origin) for body in bodies[child]))
+        bodies.setdefault(parent, []).extend(bodies[child])
+    return greatest
 
 
 def body_of(link: Link) -> Body:

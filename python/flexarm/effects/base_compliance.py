@@ -65,7 +65,8 @@ class BaseCompliance(SpringEffect):
         In a model of rigid joints a base may stand for all that gives way below it.
         """
         stated = any(each.is_spring and each.place == "joint" and not each.inert for each in arm.effects)
-        return self.typical_stiffness if stated else SpringEffect.typical_stiffness
+        typical = self.typical_stiffness if stated else SpringEffect.typical_stiffness
+        return typical * self.heavier(arm)
 
     @classmethod
     def variants(cls, at: str, arm: Arm, stated: Effect | None) -> list[Self]:
@@ -81,12 +82,12 @@ class BaseCompliance(SpringEffect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From a frame on a floor of wood to a plate on bedrock; damping in proportion."""
-        typical = self.typical_stiffness
+        typical = self.typical_in(arm)
         stiffness = typical if self.inert else self.softest
         where = (
             "engineering judgement: frames bolted to a floor from 1e5, plates grouted into concrete to 1e8"
         )
         loss = "engineering judgement: 0.1 to 10 % of critical for an arm that swings on it at a few Hz"
-        spring = Prior(1e5, 1e8, typical, "log", "N m/rad", where)
+        spring = Prior(1e5, 1e8 * self.heavier(arm), typical, "log", "N m/rad", where)
         damper = Prior(1e-4 * stiffness, 1e-2 * stiffness, 1e-3 * stiffness, "log", "N m s/rad", loss)
         return {**dict.fromkeys(self.stiffnesses, spring), **dict.fromkeys(self._keyed("damping"), damper)}

@@ -37,12 +37,13 @@ class JointCompliance(SpringEffect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From small strain-wave to large cycloidal reducers; damping in proportion to the stiffness."""
-        stiffness = self.typical_stiffness if self.inert else self.stiffness
+        typical = self.typical_in(arm)
+        stiffness = typical if self.inert else self.stiffness
         return {
             "stiffness": Prior(
                 3e3,
-                4e6,
-                self.typical_stiffness,
+                4e6 * self.heavier(arm),
+                typical,
                 "log",
                 "N m/rad",
                 "catalogues: small strain-wave reducers (some 1e3) to large cycloidal ones (1200 N m/arcmin)",
