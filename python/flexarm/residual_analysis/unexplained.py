@@ -38,7 +38,7 @@ from flexarm.comparison.bands import band_split
 from flexarm.residual_analysis.localisation import Localisation
 from flexarm.residual_analysis.motion_states import CONSTANT
 from flexarm.residual_analysis.policy import POLICY
-from flexarm.residual_analysis.residual_parts import PER_TURN, SignalResidual
+from flexarm.residual_analysis.residual_parts import PER_TURN, POSES, SignalResidual
 from flexarm.residual_analysis.spectrum import SLOW, periodogram
 from flexarm.wording import instant, number, with_unit
 
@@ -113,8 +113,8 @@ def unexplained_residual(localised: Localisation) -> UnexplainedResidual | None:
     noise = float(np.sqrt(np.mean(np.sum([sigma**2 for sigma in rows.noise.values()], axis=0))))
     rms, worst = float(np.sqrt(np.mean(length**2))), int(np.argmax(length))
     dependence = localised.dependence[rows.signal]
-    moves = any(each.moves for each in rows.states)
-    frequency, share, aliases = _dominant_frequency(rows, direction) if moves else (None, 0.0, ())
+    in_time = any(part.band != POSES for part in rows.parts[direction])
+    frequency, share, aliases = _dominant_frequency(rows, direction) if in_time else (None, 0.0, ())
     bands = [
         part.band
         for part in rows.parts[direction]
@@ -138,8 +138,8 @@ def unexplained_residual(localised: Localisation) -> UnexplainedResidual | None:
         dependence.adjusted.get(dependence.best, dependence.constant),
         rows.labels[rows.record[worst]],
         float(rows.time[worst]),
-        _burst(rows.time, rows.record, length**2, int(rows.record[worst])) if moves else None,
-        moves,
+        _burst(rows.time, rows.record, length**2, int(rows.record[worst])) if in_time else None,
+        in_time,
     )
 
 
@@ -340,12 +340,24 @@ def fitted_segment(time: Floats, values: Floats, frequency: float) -> tuple[Deca
         return None, 0.0
     w, rate = (float(x) for x in found.x)
     cosine, sine = np.linalg.lstsq(columns(found.x), values, rcond=None)[0][2:]
-    variance = float(found.fun @ found.fun) / max(len(t) - 6, 1)
+    variance = _long_run_variance(found.fun, 6)
     std = np.sqrt(np.diag(np.linalg.pinv(found.jac.T @ found.jac)) * variance)
     errors = max(float(std[0]), 1e-12 * w), max(float(std[1]), 1e-12 * w)  # data may be exact
     amplitude = float(np.hypot(cosine, sine))
     piece = DecaySegment(middle, amplitude, w / (2 * np.pi), rate / w, errors[0] / (2 * np.pi), errors[1] / w)
     return piece, float(np.sqrt(2 * variance / len(t)))
+
+
+def _long_run_variance(left: Floats, fitted: int) -> float:
+    """Return the variance of white noise that errs as much as correlated rows, such as of another mode.
+
+    Rows with the correlation rho of neighbours tell as much as (1 - rho)/(1 + rho) times as many that are
+    independent [Bayley1946].
+    """
+    square = float(left @ left)
+    rho = float(left[1:] @ left[:-1]) / square if square else 0.0
+    rho = min(max(rho, 0.0), 1 - 1 / len(left))
+    return square / max(len(left) - fitted, 1) * (1 + rho) / (1 - rho)
 
 
 def _at_rest_since(pair: AlignedRecord) -> float:

@@ -8,12 +8,15 @@ from scipy.integrate import solve_ivp
 
 from flexarm import Record, Signal
 from flexarm.residual_analysis.policy import POLICY
+from flexarm.residual_analysis.residual_parts import ResidualPart, SignalResidual
 from flexarm.residual_analysis.unexplained import (
     DecaySegment,
+    FreeDecay,
     decay_segments,
     describe_free_decays,
     fitted_segment,
     free_decays,
+    unexplained_residual,
     weighted_mean,
 )
 
@@ -37,6 +40,34 @@ def friction(time, amplitude, shift):
     left = np.maximum(amplitude - (2 * half + 1) * shift, 0.0)
     sense = np.where(half % 2 == 0, 1.0, -1.0)
     return left * np.cos(OMEGA * time) + sense * shift
+
+
+def test_several_modes_of_a_linear_law_are_no_damping_that_moves():
+    """A mast after a tap: the slow mode, left by the fit of the strongest one, is no white noise."""
+    time, x = np.arange(0, 25, 5e-3), 0.0
+    for hertz, zeta, size in ((1.25, 0.006, 0.3), (5.1, 0.008, 4.0)):
+        omega = 2 * np.pi * hertz
+        x = x + size * np.exp(-zeta * omega * time) * np.sin(omega * time)
+    pieces = tuple(decay_segments(time, x + 0.02 * RNG.standard_normal(len(time))))
+    assert pieces
+    assert not describe_free_decays([FreeDecay("tap", "imu", "m/s2", pieces)])
+
+
+def test_a_gap_of_free_vibration_is_told_at_its_instant_with_its_frequency():
+    """No joint moves in a tap test: it was told as a pose."""
+    time, zero = np.arange(0, 4, 1e-2), np.zeros(400)
+    x, ones = np.sin(2 * np.pi * 5.0 * time), np.ones(400)
+    parts = (
+        ResidualPart("quasi-static", (0.0, 1.0), zero, ones, 8.0),
+        ResidualPart("above", (1.0, 50.0), x, ones, 392.0),
+    )
+    rows = SignalResidual(
+        "imu", "m/s2", ("tap",), zero.astype(int), time, {"x": x}, {"x": 0.1 * ones}, {"x": parts}, ()
+    )
+    constant = SimpleNamespace(best="constant", adjusted={}, constant=0.0)
+    told = str(unexplained_residual(SimpleNamespace(gaps={"imu": rows}, dependence={"imu": constant})))
+    assert "pose" not in told
+    assert "s of tap" in told and "near 5 Hz" in told
 
 
 def test_a_linear_law_has_one_frequency_and_one_damping():
