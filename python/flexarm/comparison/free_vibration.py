@@ -12,7 +12,9 @@ squares,
 .. math:: \min \sum \big( y_i - y_0 - c - C s(t_i) \big)^2 / \sigma^2                                (2)
 
 with y_0 the readings of the equilibrium, C those of each state, and an offset c for each channel, that is
-left out of the prediction. Clocks and frames are as stated; signals of unknown ones are not used.
+left out of the prediction. A row holds the s_w of two hats, and so a QR factorisation goes from interval to
+interval between two tops and eliminates one s_w after the other [Golub2013]. Clocks and frames are as stated;
+signals of unknown ones are not used.
 """
 
 from __future__ import annotations
@@ -131,6 +133,11 @@ class _Hats:
         along = np.clip((time - self.start) / self.spacing, 0.0, self.count - 1.0) - w
         return np.where(np.abs(along) < 1, np.cos(0.5 * np.pi * along) ** 2, 0.0)
 
+    def interval(self, time: Floats) -> Indices:
+        """Return the number of the hat before each of some times, of two that overlap there."""
+        along = np.floor((time - self.start) / self.spacing)
+        return np.clip(along, 0, self.count - 2).astype(np.intp)
+
     def begin(self, w: int) -> float:
         """Return t_w of (1), where a hat begins [s]: later states decay."""
         return self.start + max(w - 1, 0) * self.spacing
@@ -148,35 +155,53 @@ class _Hats:
 def _amplitudes(motion: FreeMotion, hats: _Hats, free: Indices, seen: list[_Channels]) -> Floats:
     """Return the s_w of (2), shape (hats, state)."""
     large = 1.0  # 1 sigma of how far a mode swings [m, rad]: what no signal shows stays at rest
+    m, per_motion = len(free), 1.0 / _motion(motion)[free]
+    weak = np.eye(m) / large
+    offsets = sum(each.gap.shape[1] for each in seen)
+    kept: list[Floats] = []
+    left: Floats = np.hstack([weak, np.zeros((m, offsets + 1))])
+    for rows in _rows(motion, hats, free, seen, offsets):
+        rows[:, : 2 * m] *= np.tile(per_motion, 2)
+        before = np.hstack([left[:, :m], np.zeros((len(left), m)), left[:, m:]])
+        next_weak = np.zeros((m, rows.shape[1]))
+        next_weak[:, m : 2 * m] = weak
+        triangle: Floats = np.asarray(np.linalg.qr(np.vstack([before, next_weak, rows]), mode="r"))
+        kept.append(triangle[:m])
+        left = triangle[m:, m:]
+    last = np.linalg.lstsq(left[:, :-1], left[:, -1], rcond=None)[0]
+    found = np.zeros((hats.count, len(motion.A)))
+    for w in range(hats.count - 1, -1, -1):
+        if w < hats.count - 1:
+            row = kept[w]
+            own = np.linalg.solve(row[:, :m], row[:, -1] - row[:, m:-1] @ last)
+            last = np.concatenate([own, last[m:]])
+        found[w, free] = per_motion * last[:m]
+    return found
+
+
+def _rows(
+    motion: FreeMotion, hats: _Hats, free: Indices, seen: list[_Channels], offsets: int
+) -> Iterator[Floats]:
+    """Yield the rows of (2) of each interval between two tops: of both hats, offsets and right-hand side."""
     values, V = np.linalg.eig(motion.A)
     inverse = np.linalg.inv(V)[:, free]
-    rows, right = [], []
-    offsets = sum(each.gap.shape[1] for each in seen)
-    first = 0
-    for each in seen:
-        modal = each.by_state @ V
-        for c in range(each.gap.shape[1]):
-            keep = np.isfinite(each.gap[:, c])
-            time = each.time[keep]
-            blocks = []
-            for w in range(hats.count):
-                hat = hats.at(time, w)
-                waves = np.exp(np.outer(np.where(hat > 0, time - hats.begin(w), 0.0), values))
-                blocks.append(hat[:, None] * np.real((waves * modal[c]) @ inverse))
-            own = np.zeros((len(time), offsets))
-            own[:, first] = 1.0
-            rows.append(np.hstack([*blocks, own]))
-            right.append(each.gap[keep, c])
-            first += 1
-    A, y = np.vstack(rows), np.concatenate(right)
-    per_motion = np.tile(1.0 / _motion(motion)[free], hats.count)
-    A[:, : len(per_motion)] *= per_motion
-    weak = np.eye(len(per_motion), A.shape[1]) / large
-    best = np.linalg.lstsq(np.vstack([A, weak]), np.append(y, np.zeros(len(weak))), rcond=None)[0]
-    best[: len(per_motion)] *= per_motion
-    found = np.zeros((hats.count, len(motion.A)))
-    found[:, free] = best[: hats.count * len(free)].reshape(hats.count, len(free))
-    return found
+    for w in range(hats.count - 1):
+        rows, first = [], 0
+        for each in seen:
+            inside = hats.interval(each.time) == w
+            modal = each.by_state @ V
+            for c in range(each.gap.shape[1]):
+                keep = inside & np.isfinite(each.gap[:, c])
+                time, own = each.time[keep], np.zeros((np.count_nonzero(keep), offsets))
+                own[:, first] = 1.0
+                waves = (
+                    hats.at(time, k)[:, None]
+                    * np.real((np.exp(np.outer(time - hats.begin(k), values)) * modal[c]) @ inverse)
+                    for k in (w, w + 1)
+                )
+                rows.append(np.hstack([*waves, own, each.gap[keep, c, None]]))
+                first += 1
+        yield np.vstack(rows)
 
 
 def _frequencies(motion: FreeMotion) -> Floats:
