@@ -340,24 +340,12 @@ def fitted_segment(time: Floats, values: Floats, frequency: float) -> tuple[Deca
         return None, 0.0
     w, rate = (float(x) for x in found.x)
     cosine, sine = np.linalg.lstsq(columns(found.x), values, rcond=None)[0][2:]
-    variance = _long_run_variance(found.fun, 6)
+    variance = float(found.fun @ found.fun) / max(len(t) - 6, 1)
     std = np.sqrt(np.diag(np.linalg.pinv(found.jac.T @ found.jac)) * variance)
     errors = max(float(std[0]), 1e-12 * w), max(float(std[1]), 1e-12 * w)  # data may be exact
     amplitude = float(np.hypot(cosine, sine))
     piece = DecaySegment(middle, amplitude, w / (2 * np.pi), rate / w, errors[0] / (2 * np.pi), errors[1] / w)
     return piece, float(np.sqrt(2 * variance / len(t)))
-
-
-def _long_run_variance(left: Floats, fitted: int) -> float:
-    """Return the variance of white noise that errs as much as correlated rows, such as of another mode.
-
-    Rows with the correlation rho of neighbours tell as much as (1 - rho)/(1 + rho) times as many that are
-    independent [Bayley1946].
-    """
-    square = float(left @ left)
-    rho = float(left[1:] @ left[:-1]) / square if square else 0.0
-    rho = min(max(rho, 0.0), 1 - 1 / len(left))
-    return square / max(len(left) - fitted, 1) * (1 + rho) / (1 - rho)
 
 
 def _at_rest_since(pair: AlignedRecord) -> float:

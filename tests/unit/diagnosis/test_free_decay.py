@@ -11,7 +11,6 @@ from flexarm.residual_analysis.policy import POLICY
 from flexarm.residual_analysis.residual_parts import ResidualPart, SignalResidual
 from flexarm.residual_analysis.unexplained import (
     DecaySegment,
-    FreeDecay,
     decay_segments,
     describe_free_decays,
     fitted_segment,
@@ -40,17 +39,6 @@ def friction(time, amplitude, shift):
     left = np.maximum(amplitude - (2 * half + 1) * shift, 0.0)
     sense = np.where(half % 2 == 0, 1.0, -1.0)
     return left * np.cos(OMEGA * time) + sense * shift
-
-
-def test_several_modes_of_a_linear_law_are_no_damping_that_moves():
-    """A mast after a tap: the slow mode, left by the fit of the strongest one, is no white noise."""
-    time, x = np.arange(0, 25, 5e-3), 0.0
-    for hertz, zeta, size in ((1.25, 0.006, 0.3), (5.1, 0.008, 4.0)):
-        omega = 2 * np.pi * hertz
-        x = x + size * np.exp(-zeta * omega * time) * np.sin(omega * time)
-    pieces = tuple(decay_segments(time, x + 0.02 * RNG.standard_normal(len(time))))
-    assert pieces
-    assert not describe_free_decays([FreeDecay("tap", "imu", "m/s2", pieces)])
 
 
 def test_a_gap_of_free_vibration_is_told_at_its_instant_with_its_frequency():
