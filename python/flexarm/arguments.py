@@ -36,11 +36,13 @@ FORMER = {"jobs": "n_jobs"}
 def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Check arguments by name before a function runs; a default is always allowed.
 
+    Names in `USUAL` are of the kind there, unless another one is given.
+
     Raise InvalidParameter from the function: the argument, what it must be and what it is.
     """
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
-        expected = signature(function)
+        expected, own = signature(function), {**USUAL, **kinds}
 
         @wraps(function)
         def checked(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -50,8 +52,8 @@ def takes(**kinds: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
                     warn(said, DeprecationWarning, stacklevel=2)
                     kwargs[FORMER[old]] = kwargs.pop(old)
             for name, value in expected.bind(*args, **kwargs).arguments.items():
-                if name in kinds and value is not expected.parameters[name].default:
-                    require(kinds[name], name, value)
+                if name in own and value is not expected.parameters[name].default:
+                    require(own[name], name, value)
             return function(*args, **kwargs)
 
         return checked
@@ -237,3 +239,28 @@ PATH = Kind("a path of a file", lambda value: isinstance(value, str | os.PathLik
 SOLID = Kind("a SolidMesh", _one_of("flexarm.solids", "SolidMesh"))
 LISTED = Kind("a text or a path of a file", lambda value: isinstance(value, str | os.PathLike))
 MESH = Kind("a SolidMesh or a path", _either(PATH.accepts, SOLID.accepts))
+
+_NAMES_OF: dict[str, Kind] = {
+    "damping_matrix directory grids mass_matrix mjcf model out path urdf": PATH,
+    "at clock description dimension file frame initial input joint key kind link name payload": TEXT,
+    "point quantity side signal time_column unit": TEXT,
+    "alpha damping_ratio end jitter_std max_frequency noise_std scale step zero_std": NUMBER,
+    "align allow_outside check_step consistent_forces energies force lumped": FLAG,
+    "averages count mode seed threads": COUNT,
+    "hold_out record": RECORD,
+    "arm": ARM,
+    "ax": AXES,
+    "clocks": CLOCKS,
+    "frames": FRAMES,
+    "joints": VALUES,
+    "max_seconds": SECONDS,
+    "mesh": MESH,
+    "n_jobs": JOBS,
+    "records": RECORDS,
+    "rotation": ROTATION,
+    "sensitivities": NAMES,
+    "simulation": MOTION,
+    "translation": VECTOR,
+}
+USUAL = {name: kind for names, kind in _NAMES_OF.items() for name in names.split()}
+"""Kinds of arguments by name, where the name means the same in all functions."""

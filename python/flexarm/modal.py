@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm import _core
-from flexarm.arguments import ARM, COUNT, FLAG, NAMES, PATH, VALUES, takes
+from flexarm.arguments import FLAG, takes
 from flexarm.arm import Arm
 from flexarm.arm.joint_units import units_by_joint
 from flexarm.arm.parameter import Parameter, parameters
@@ -102,7 +102,7 @@ class Modes(Result):
         return contents if self.sensitivities is None else self.sensitivities.add_to(contents)
 
     @classmethod
-    @takes(path=PATH)
+    @takes()
     def load(cls, path: str | Path) -> Modes:
         """Read what `save` wrote.
 
@@ -173,7 +173,7 @@ class Modes(Result):
         return f"<Modes of {self.arm.name!r}: {found}{more} Hz>"
 
 
-@takes(arm=ARM, joints=VALUES, count=COUNT, gravity=FLAG, sensitivities=NAMES)
+@takes(gravity=FLAG)
 def modes(
     arm: Arm,
     joints: Mapping[str, float] | None = None,

@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from flexarm.arguments import PATH, takes
+from flexarm.arguments import takes
 from flexarm.errors import InvalidFile
 from flexarm.reading import check_hdf5, reading
 
@@ -29,7 +29,7 @@ _CLASSES = {
 """Module and class by the file that a directory holds, by the kind of a NetCDF file, and by ending."""
 
 
-@takes(path=PATH)
+@takes()
 def load(path: str | Path) -> Any:
     """Open a model, record, part or result by what the file or directory is.
 

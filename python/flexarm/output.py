@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from flexarm import file_lock
-from flexarm.arguments import FLAG, PATH, takes
+from flexarm.arguments import takes
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.termination import undone_on_exit
 
@@ -191,7 +191,7 @@ class SavedAsDirectory(ABC):
     def write(self, directory: Path) -> None:
         """Write the files into a directory that is there."""
 
-    @takes(directory=PATH, force=FLAG)
+    @takes()
     def save(self, directory: str | Path, force: bool = False) -> None:
         """Write the files, see `write`, all of them or none.
 

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexarm.arguments import PATH, takes
+from flexarm.arguments import takes
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile
 from flexarm.netcdf import Contents, save
@@ -50,7 +50,7 @@ class Result(OfArm, Shown, ABC):
         """The same as an xarray Dataset with units."""
         return self.contents().dataset()
 
-    @takes(path=PATH)
+    @takes()
     def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
         """Write the result as NetCDF, whose name ends in .nc, with the model it was made with.
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexarm import _core
-from flexarm.arguments import TEXT, takes
+from flexarm.arguments import takes
 from flexarm.arm import Arm
 from flexarm.arm.drive_effect import DriveEffect, lags_between
 from flexarm.arm.joint import Gear, gear_input
@@ -67,7 +67,7 @@ class Sensitivities:
             raise InvalidParameter(f"no derivatives of {name!r}; there are those of {', '.join(self.arrays)}")
         return self.arrays[name]
 
-    @takes(key=TEXT)
+    @takes()
     def by(self, key: str) -> dict[str, Floats]:
         """Return derivatives of every array with respect to one parameter.
 

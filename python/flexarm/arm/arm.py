@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, SerializeAsAny, model_validator
 
-from flexarm.arguments import NUMBER, PATH, TABLES, TEXT, VALUES, takes
+from flexarm.arguments import NUMBER, TABLES, takes
 from flexarm.arm.attachment import Payload, Point
 from flexarm.arm.closure import Closure
 from flexarm.arm.consistency import inconsistencies, missing
@@ -117,7 +117,7 @@ class Arm(Shown, Table):
     # ------------------------------------------------------------------ files
 
     @classmethod
-    @takes(path=PATH)
+    @takes()
     def from_toml(cls, path: str | Path) -> Self:
         """Return the arm in a model file.
 
@@ -161,7 +161,7 @@ class Arm(Shown, Table):
         """Return the dictionary that `from_dict` reads."""
         return {"format": self.format, "name": self.name, "gravity": list(self.gravity), **self.to_plain()}
 
-    @takes(path=PATH)
+    @takes()
     def to_toml(self, path: str | Path) -> None:
         """Write the model file; `from_toml` of it gives an equal arm."""
         write_file(path, self.toml_for(Path(path).parent))
@@ -193,7 +193,7 @@ class Arm(Shown, Table):
 
     # ---------------------------------------------------------------- changes
 
-    @takes(key=TEXT, value=NUMBER)
+    @takes(value=NUMBER)
     def with_value(self, key: str, value: float) -> Arm:
         """Return the arm in which one number has another value.
 
@@ -224,7 +224,7 @@ class Arm(Shown, Table):
         """
         return self.replace(effects=(*self.effects, effect))
 
-    @takes(name=TEXT, at=TEXT)
+    @takes()
     def without_effect(self, name: str, at: str) -> Self:
         """Return the arm without the effect `name` at `at`.
 
@@ -248,7 +248,7 @@ class Arm(Shown, Table):
 
     # ------------------------------------------------------------------- parts
 
-    @takes(name=TEXT)
+    @takes()
     def joint(self, name: str) -> Joint:
         """Return the joint of that name.
 
@@ -259,17 +259,17 @@ class Arm(Shown, Table):
         """
         return _named("joint", self.joints, name)
 
-    @takes(name=TEXT)
+    @takes()
     def link(self, name: str) -> Link:
         """Return the link of that name; errors as `joint`."""
         return _named("link", self.links, name)
 
-    @takes(name=TEXT)
+    @takes()
     def point(self, name: str) -> Point:
         """Return the point of that name; errors as `joint`."""
         return _named("point", self.points, name)
 
-    @takes(name=TEXT)
+    @takes()
     def payload(self, name: str) -> Payload:
         """Return the payload of that name; errors as `joint`."""
         return _named("payload", self.payloads, name)
@@ -279,7 +279,7 @@ class Arm(Shown, Table):
         """Joints that have a coordinate."""
         return tuple(joint for joint in self.joints if joint.moves)
 
-    @takes(key=TEXT)
+    @takes()
     def sigma(self, key: str) -> tuple[Any, Any]:
         """Nominal value and 1 sigma, both in SI, of a key of `uncertainty`; see `uncertainty.sigma_of`."""
         try:
@@ -294,7 +294,7 @@ class Arm(Shown, Table):
 
     # ----------------------------------------------------------------- pictures
 
-    @takes(joints=VALUES, urdf=PATH)
+    @takes()
     def view(self, joints: Mapping[str, float] | None = None, urdf: str | Path | None = None) -> View:
         """Show the undeformed arm in three dimensions, and how each joint moves it.
 
@@ -318,7 +318,7 @@ class Arm(Shown, Table):
         """
         return viewed(self, joints=joints, urdf=urdf)
 
-    @takes(joints=VALUES)
+    @takes()
     def plot(self, ax: Axes | None = None, joints: Mapping[str, float] | None = None) -> Axes:
         """Draw the undeformed arm with Matplotlib, in the plane in which it reaches and moves most."""
         return drawn(self, ax=ax, joints=joints)

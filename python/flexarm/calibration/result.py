@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from flexarm.arguments import PATH, TEXT, takes
+from flexarm.arguments import takes
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.calibration.policy import CalibrationPolicy
@@ -75,7 +75,7 @@ class Calibration(BeforeAfter, SavedAsDirectory, Summarised):
     remarks: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
-    @takes(name=TEXT)
+    @takes()
     def parameter(self, name: str) -> CalibratedParameter:
         """Return the estimate of a parameter.
 
@@ -110,7 +110,7 @@ class Calibration(BeforeAfter, SavedAsDirectory, Summarised):
         return calibration_report.summary(self)
 
     @classmethod
-    @takes(path=PATH)
+    @takes()
     def load(cls, path: str | Path) -> Self:
         """Return what `save` or `flexarm calibrate` wrote.
 

@@ -12,7 +12,7 @@ from typing import get_args
 
 import numpy as np
 
-from flexarm.arguments import ARM, JOBS, NAMES, NUMBER, RECORD, RECORDS, SECONDS, takes
+from flexarm.arguments import NAMES, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import path_of, with_value
 from flexarm.budget import current, limited
@@ -51,16 +51,7 @@ from flexarm.wording import listed
 Progress = Callable[[float, str], object] | None
 
 
-@takes(
-    arm=ARM,
-    records=RECORDS,
-    families=NAMES,
-    hold_out=RECORD,
-    n_jobs=JOBS,
-    step=NUMBER,
-    alpha=NUMBER,
-    max_seconds=SECONDS,
-)
+@takes(families=NAMES)
 def calibrate(
     arm: Arm,
     records: Mapping[str, Record] | Sequence[Record],

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arguments import AXES, PATH, TEXT, takes
+from flexarm.arguments import takes
 from flexarm.campaigns.store import RESULTS
 from flexarm.errors import InvalidFile
 from flexarm.pictures import Shown
@@ -50,7 +50,7 @@ class Campaign(Shown):
             return xr.open_dataset(path, engine="h5netcdf")
 
     @classmethod
-    @takes(directory=PATH)
+    @takes()
     def load(cls, directory: str | Path) -> Campaign:
         """Return the campaign in a directory.
 
@@ -76,7 +76,7 @@ class Campaign(Shown):
         """Names of its files."""
         return tuple(name for name in (STUDY, RESULTS, SUMMARY) if (self.directory / name).is_file())
 
-    @takes(name=TEXT, ax=AXES)
+    @takes()
     def plot(self, name: str | None = None, ax: Axes | None = None) -> Axes:
         """Draw how a result spreads over the runs that did not fail.
 

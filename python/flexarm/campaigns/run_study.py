@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from flexarm.arguments import FLAG, JOBS, PATH, TEXT, takes
+from flexarm.arguments import FLAG, PATH, TEXT, takes
 from flexarm.campaigns.campaign import FORMAT, STUDY, SUMMARY, Campaign, read_record
 from flexarm.campaigns.cases import label_names
 from flexarm.campaigns.engine import client_of, compute_here, compute_with, page_of
@@ -30,7 +30,7 @@ from flexarm.reading import reading
 from flexarm.report.campaign import page, sentences, spreads
 
 
-@takes(study=PATH, out=PATH, resume=FLAG, force=FLAG, scheduler=TEXT, n_jobs=JOBS)
+@takes(study=PATH, resume=FLAG, scheduler=TEXT)
 def campaign(
     study: str | Path,
     out: str | Path,

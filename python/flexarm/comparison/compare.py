@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.arguments import ARM, FLAG, MOTION, NUMBER, RECORD, ROW, takes
+from flexarm.arguments import ROW, takes
 from flexarm.arm import Arm
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
@@ -29,16 +29,7 @@ from flexarm.record.compatibility import unplaced_effects
 from flexarm.wording import with_unit
 
 
-@takes(
-    arm=ARM,
-    record=RECORD,
-    align=FLAG,
-    simulation=MOTION,
-    step=NUMBER,
-    alpha=NUMBER,
-    bands=ROW,
-    check_step=FLAG,
-)
+@takes(bands=ROW)
 def compare(
     arm: Arm,
     record: Record,

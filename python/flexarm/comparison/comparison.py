@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.arguments import AXES, TEXT, takes
+from flexarm.arguments import takes
 from flexarm.arm.consistency import missing
 from flexarm.comparison.align import Alignment
 from flexarm.comparison.files import SavedGap
@@ -144,7 +144,7 @@ class Comparison(SavedGap):
         """Return the gap of each signal that does not drive, by row."""
         return {name: gap.table() for name, gap in self.evidence.items()}
 
-    @takes(ax=AXES, signal=TEXT)
+    @takes()
     def plot(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
         """Plot the gap of a signal over time, by direction, with the noise (2 sigma) as a band.
 
@@ -172,7 +172,7 @@ class Comparison(SavedGap):
         axes.legend()
         return axes
 
-    @takes(ax=AXES, signal=TEXT)
+    @takes()
     def plot_readings(self, ax: Axes | None = None, signal: str | None = None) -> Axes:
         """Plot what was measured and what the model predicts, by channel in the signal's own frame.
 

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.arguments import ARM, RECORD, takes
+from flexarm.arguments import takes
 from flexarm.arm.joint import motor_ratio
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import Floats
@@ -196,7 +196,7 @@ class ResponseComparison(SavedGap):
         return axes
 
 
-@takes(arm=ARM, record=RECORD)
+@takes()
 def compare_responses(arm: Arm, record: Record) -> ResponseComparison:
     """Compare frequency responses with those of the linear model.
 

@@ -17,7 +17,7 @@ from math import floor, isfinite, log10, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
-from flexarm.arguments import PATH, takes
+from flexarm.arguments import takes
 from flexarm.arm.parameter import stated_sigma
 from flexarm.comparison.align import KEPT
 from flexarm.fit_statistics import FitStatistics
@@ -242,7 +242,7 @@ class Diagnosis(BeforeAfter, SavedAsDirectory, Summarised):
         return viewed(self, record=record, scale=scale, urdf=urdf)
 
     @classmethod
-    @takes(path=PATH)
+    @takes()
     def load(cls, path: str | Path) -> Self:
         """Return what `save` or `flexarm diagnose` wrote.
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arguments import ARM, COUNT, FLAG, JOBS, NUMBER, POLICY, RECORD, RECORDS, SECONDS, takes
+from flexarm.arguments import FLAG, POLICY, takes
 from flexarm.arm import Arm
 from flexarm.arm.spring_effect import SpringEffect
 from flexarm.budget import allows, current, ended_early, limited
@@ -69,18 +69,7 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], object] | None
 
 
-@takes(
-    arm=ARM,
-    records=RECORDS,
-    hold_out=RECORD,
-    n_jobs=JOBS,
-    seed=COUNT,
-    step=NUMBER,
-    alpha=NUMBER,
-    policy=POLICY,
-    max_seconds=SECONDS,
-    laws=FLAG,
-)
+@takes(policy=POLICY, laws=FLAG)
 def diagnose(
     arm: Arm,
     records: Mapping[str, Record] | Sequence[Record],

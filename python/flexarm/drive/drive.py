@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.arguments import ARM, ARRAY, ARRAYS, AXES, PATH, RECORD, TEXT, takes
+from flexarm.arguments import ARRAY, ARRAYS, takes
 from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
@@ -67,7 +67,7 @@ class Drive:
         return found.hexdigest()
 
     @classmethod
-    @takes(time=ARRAY, values=ARRAYS, side=TEXT)
+    @takes(time=ARRAY, values=ARRAYS)
     def from_samples(cls, time: ArrayLike, values: Mapping[str, ArrayLike], side: str = "motor") -> Drive:
         """Join exact samples by a cubic spline (not-a-knot), held before and after.
 
@@ -106,7 +106,7 @@ class Drive:
         return cls(joints, start=float(t[0]), end=float(t[-1]))
 
     @classmethod
-    @takes(path=PATH, arm=ARM)
+    @takes()
     def from_csv(cls, path: str | Path, arm: Arm) -> Drive:
         """Read a CSV file with `time_s` and one column per driven joint, named after it.
 
@@ -118,7 +118,7 @@ class Drive:
         return cls.from_samples(*samples_in(path, arm))
 
     @classmethod
-    @takes(record=RECORD, arm=ARM)
+    @takes()
     def from_record(cls, record: Record, arm: Arm) -> Drive:
         """Return the drive signals of a record: angles smoothed by their stated noise, commands held.
 
@@ -143,7 +143,7 @@ class Drive:
 
         return cls(**attributes_in(record, arm))
 
-    @takes(arm=ARM)
+    @takes()
     def at_inputs(self, arm: Arm) -> Drive:
         """Return the same motion with angles at outputs of gears moved to their inputs, where motors are."""
         joints = dict(self.joints)
@@ -155,7 +155,7 @@ class Drive:
                     joints[gear.input] = replace(moved, coefficients=gear.ratio * moved.coefficients)
         return replace(self, joints=joints)
 
-    @takes(ax=AXES)
+    @takes()
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw what drives each joint against time.
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
-from flexarm.arguments import ARRAY, ROW, TEXT, holds, takes
+from flexarm.arguments import ARRAY, ROW, holds, takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter
 
@@ -23,7 +23,7 @@ _KINDS = {
 }
 
 
-@holds(breaks=ARRAY, coefficients=ARRAY, side=TEXT)
+@holds(breaks=ARRAY, coefficients=ARRAY)
 @dataclass(frozen=True)
 class JointDrive:
     """Motion of one joint as scipy.interpolate.PPoly has it, held before and after.

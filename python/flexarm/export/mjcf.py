@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexarm.arguments import ARM, FLAG, PATH, takes
+from flexarm.arguments import takes
 from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out, not_written, own_friction
 from flexarm.export.robot_file import add, number, read_robot, refuse_no_joint, remove, write_robot
 
@@ -26,7 +26,7 @@ _PLACED = ("class", "type", "pos", "axis", "group", "springdamper")
 """What the deflection has in common with its joint."""
 
 
-@takes(arm=ARM, mjcf=PATH, out=PATH, force=FLAG)
+@takes()
 def export_mjcf(arm: Arm, mjcf: str | Path, out: str | Path, force: bool = True) -> list[str]:
     """Write a MuJoCo model again, with the friction, stiffness and rotors of a model's joints.
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flexarm.arguments import FLAG, PATH, TEXT, Kind, takes
+from flexarm.arguments import Kind, takes
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile
 from flexarm.export.foreign_form import ForeignForm, foreign_form
@@ -22,7 +22,7 @@ ENDINGS = (".mat", *NASTRAN, ".inp")
 PART = Kind("a SuperElement, such as SuperElement.load gives", lambda value: isinstance(value, SuperElement))
 
 
-@takes(element=PART, out=PATH, unit=TEXT, force=FLAG)
+@takes(element=PART)
 def export_part(element: SuperElement, out: str | Path, unit: str = "m", force: bool = True) -> list[Path]:
     """Write a super-element for Simscape (.mat), Nastran (.bdf, .dat, .nas) or Abaqus (.inp).
 

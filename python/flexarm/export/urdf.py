@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexarm.arguments import ARM, FLAG, PATH, takes
+from flexarm.arguments import takes
 from flexarm.export.joint_dynamics import JointDynamics, joint_dynamics, left_out, not_written, own_friction
 from flexarm.export.robot_file import add, number, read_robot, refuse_no_joint, remove, write_robot
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from flexarm.arm import Arm
 
 
-@takes(arm=ARM, urdf=PATH, out=PATH, force=FLAG)
+@takes()
 def export_urdf(arm: Arm, urdf: str | Path, out: str | Path, force: bool = True) -> list[str]:
     """Write a URDF file again, with the friction, stiffness and rotors of a model's joints.
 

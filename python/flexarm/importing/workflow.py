@@ -12,7 +12,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from flexarm.arguments import PATH, takes
+from flexarm.arguments import takes
 from flexarm.arm import Arm
 from flexarm.arm.joint import motor_ratio
 from flexarm.arm.rotation import from_rpy
@@ -33,7 +33,7 @@ from flexarm.tables.field import Path as Where
 from flexarm.units import contradicted_unit
 
 
-@takes(path=PATH)
+@takes()
 def import_record(path: str | Path) -> Record:
     """Return the record that an import map makes of logs.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexarm.arguments import NUMBERS, PATH, takes
+from flexarm.arguments import NUMBERS, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidFile, InvalidParameter
@@ -152,7 +152,7 @@ class LinearModel(Result):
             {"kind": "linear model", "equations": "x' = A x + B u, y = C x + D u", **provenance(self.arm)},
         )
 
-    @takes(path=PATH)
+    @takes()
     def save(self, path: str | Path, inputs: Iterable[Path] = ()) -> None:
         """Write the model: as a MAT file where the name ends in .mat, else as NetCDF.
 
@@ -172,7 +172,7 @@ class LinearModel(Result):
             super().save(path, inputs)
 
     @classmethod
-    @takes(path=PATH)
+    @takes()
     def load(cls, path: str | Path) -> LinearModel:
         """Read what `save` wrote, by the ending of its name.
 

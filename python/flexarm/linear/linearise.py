@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from flexarm.arguments import ARM, COUNT, ITEMS, PAIRS, VALUES, takes
+from flexarm.arguments import COUNT, ITEMS, PAIRS, takes
 from flexarm.arm import Arm
 from flexarm.arm.sensor import Sensor
 from flexarm.arrays import frozen
@@ -17,7 +17,7 @@ from flexarm.linear.ports import outputs as readable
 from flexarm.linear.response import Response
 
 
-@takes(arm=ARM, joints=VALUES, inputs=PAIRS, outputs=ITEMS, modes=COUNT)
+@takes(inputs=PAIRS, outputs=ITEMS, modes=COUNT)
 def linearise(
     arm: Arm,
     joints: Mapping[str, float] | None = None,

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.arguments import CLOCKS, FRAMES, MOTION, NAMES, SENSORS, TEXT, takes
+from flexarm.arguments import NAMES, SENSORS, takes
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.measurement.clocks import EXACT, ClockError
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from flexarm.record import Clock, Frame, Record, Signal
 
 
-@takes(simulation=MOTION, sensors=SENSORS, drive=NAMES, clocks=CLOCKS, frames=FRAMES, description=TEXT)
+@takes(sensors=SENSORS, drive=NAMES)
 def measure(
     simulation: Any,
     sensors: Iterable[Sensor],

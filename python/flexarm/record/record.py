@@ -9,18 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flexarm.arguments import (
-    ARM,
     BASE,
-    CLOCKS,
-    FLAG,
-    FRAMES,
     NAME_OR_NAMES,
     NAMED,
     NAMES,
-    PATH,
     SIGNALS,
-    TEXT,
-    VALUES,
     holds,
     takes,
 )
@@ -44,20 +37,7 @@ KINDS = ("motion", "static", "frequency_response")
 INITIAL = ("equilibrium", "moving")
 
 
-@holds(
-    signals=SIGNALS,
-    drive=NAME_OR_NAMES,
-    description=TEXT,
-    kind=TEXT,
-    initial=TEXT,
-    joints=VALUES,
-    payloads=NAMED,
-    controllers=NAMED,
-    links=NAMED,
-    clocks=CLOCKS,
-    frames=FRAMES,
-    base=BASE,
-)
+@holds(signals=SIGNALS, drive=NAME_OR_NAMES, payloads=NAMED, controllers=NAMED, links=NAMED, base=BASE)
 @dataclass(frozen=True, kw_only=True)
 class Record(Shown):
     """Signals of one run, or of a set of static poses.
@@ -144,7 +124,7 @@ class Record(Shown):
     # ------------------------------------------------------------------ files
 
     @classmethod
-    @takes(path=PATH, allow_outside=FLAG)
+    @takes()
     def load(cls, path: str | Path, *, allow_outside: bool = False) -> Record:
         """Return the record in a directory.
 
@@ -164,7 +144,7 @@ class Record(Shown):
 
         return cls(**stored(Path(path), allow_outside))
 
-    @takes(path=PATH, force=FLAG)
+    @takes()
     def save(self, path: str | Path, force: bool = False) -> None:
         """Write `record.toml` and the CSV files, in SI; `Record.load` of it gives the same values.
 
@@ -199,7 +179,7 @@ class Record(Shown):
 
         return data_frame(self)
 
-    @takes(path=PATH)
+    @takes()
     def to_parquet(self, path: str | Path) -> None:
         """Write the table of `to_pandas` as a Parquet file, which the extra `import` installs Arrow for.
 
@@ -269,7 +249,7 @@ class Record(Shown):
         """Return a changed copy."""
         return replace(self, **changes)
 
-    @takes(arm=ARM)
+    @takes()
     def check(self, arm: Arm | None = None) -> list[Problem]:
         """Return implausible values of the record: units, dead channels, gaps.
 
@@ -282,7 +262,7 @@ class Record(Shown):
 
         return [*self.notes, *validate(self, arm)]
 
-    @takes(arm=ARM)
+    @takes()
     def check_against(self, arm: Arm) -> list[Problem]:
         """Return values that do not fit a model.
 
@@ -309,7 +289,7 @@ class Record(Shown):
             raise self._error(problems)
         return validate(self, arm)
 
-    @takes(arm=ARM)
+    @takes()
     def with_units_of(self, arm: Arm) -> Record:
         """Return the record with the units of a model's joints, where it states none.
 
@@ -327,7 +307,7 @@ class Record(Shown):
 
         return with_units_of(self, arm)
 
-    @takes(arm=ARM)
+    @takes()
     def applied_to(self, arm: Arm) -> Arm:
         """Return the arm with the payloads, link lengths, controllers and tilt of the base of this run.
 

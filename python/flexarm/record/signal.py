@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.arguments import ARRAY, COUNT, NAME_TUPLE, NUMBER, NUMBERS, TEXT, holds
+from flexarm.arguments import ARRAY, NAME_TUPLE, NUMBER, NUMBERS, holds
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.quantities import FRAMED, QUANTITIES, Quantity, channel_names
@@ -17,31 +17,7 @@ from flexarm.record.quantisation_grid import quantisation_step
 from flexarm.tables.ranges import first_beyond, out_of_range, range_of
 
 
-@holds(
-    name=TEXT,
-    quantity=TEXT,
-    values=ARRAY,
-    time=ARRAY,
-    unit=TEXT,
-    noise_std=NUMBER,
-    zero_std=NUMBER,
-    jitter_std=NUMBER,
-    clock=TEXT,
-    frame=TEXT,
-    joint=TEXT,
-    point=TEXT,
-    link=TEXT,
-    payload=TEXT,
-    side=TEXT,
-    axes=NAME_TUPLE,
-    position=NUMBER,
-    fibre=NUMBERS,
-    channels=NAME_TUPLE,
-    file=TEXT,
-    time_column=TEXT,
-    input=TEXT,
-    averages=COUNT,
-)
+@holds(values=ARRAY, time=ARRAY, axes=NAME_TUPLE, position=NUMBER, fibre=NUMBERS, channels=NAME_TUPLE)
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Signal:
     """Samples of one quantity at one place.

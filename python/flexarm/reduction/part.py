@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from flexarm import _core as _typed_core
-from flexarm.arguments import COUNT, FLAG, MESH, NAMED, NUMBER, POSITIVE, TEXT, takes
+from flexarm.arguments import FLAG, NAMED, POSITIVE, takes
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
 from flexarm.reduction.interface_set import InterfaceSet, refuse_shared
@@ -27,18 +27,7 @@ Progress = Callable[[str, float], None]
 """Hears the phase that runs and the part of it that is done, 0 to 1."""
 
 
-@takes(
-    mesh=MESH,
-    interfaces=NAMED,
-    max_frequency=NUMBER,
-    unit=TEXT,
-    damping_ratio=NUMBER,
-    lumped=FLAG,
-    mass=POSITIVE,
-    recovery=FLAG,
-    name=TEXT,
-    threads=COUNT,
-)
+@takes(interfaces=NAMED, mass=POSITIVE, recovery=FLAG)
 def reduce_mesh(
     mesh: SolidMesh | str | Path,
     interfaces: Mapping[str, InterfaceSet | str],

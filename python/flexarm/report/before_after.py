@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from flexarm.arguments import AXES, NAMES, TEXT, takes
+from flexarm.arguments import NAMES, TEXT, takes
 from flexarm.arm import Arm
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.pooled_gap import pooled_gap
@@ -44,12 +44,12 @@ class BeforeAfter:
         """Return True if there is a gap to be shown: not where the data could not be compared at all."""
         return bool(self.unit)
 
-    @takes(records=NAMES, signal=TEXT)
+    @takes(records=NAMES)
     def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
         """Return totals of a signal (default: the main one) before and after, pooled over records."""
         return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)
 
-    @takes(ax=AXES, record=TEXT)
+    @takes(record=TEXT)
     def plot(self, ax: Axes | None = None, record: str | None = None) -> Axes:
         """Return the main signal's gap before and after along a record, and the noise (2 sigma) as a band.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from flexarm import _core
-from flexarm.arguments import ARM, DRIVE, FLAG, NAMES, NUMBER, TEXT, takes
+from flexarm.arguments import DRIVE, FLAG, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import parameters
 from flexarm.drive import Drive
@@ -19,19 +19,7 @@ from flexarm.simulation.simulation import Simulation
 from flexarm.simulation.solve import differentiated, solved
 
 
-@takes(
-    arm=ARM,
-    drive=DRIVE,
-    step=NUMBER,
-    alpha=NUMBER,
-    end=NUMBER,
-    forces=FLAG,
-    rotations=FLAG,
-    energies=FLAG,
-    consistent_forces=FLAG,
-    sensitivities=NAMES,
-    dimension=TEXT,
-)
+@takes(drive=DRIVE, forces=FLAG, rotations=FLAG)
 def simulate(
     arm: Arm,
     drive: Drive | Record,

@@ -14,7 +14,7 @@ from threading import Event
 from typing import Any
 
 from flexarm import _core
-from flexarm.arguments import ITEMS, JOBS, takes
+from flexarm.arguments import ITEMS, takes
 from flexarm.arm import Arm
 from flexarm.drive import Drive
 from flexarm.errors import InvalidParameter
@@ -26,7 +26,7 @@ from flexarm.simulation.simulation import Simulation
 from flexarm.threads import thread_pool
 
 
-@takes(runs=ITEMS, n_jobs=JOBS)
+@takes(runs=ITEMS)
 def simulate_all(
     runs: Iterable[tuple[Arm, Drive | Record]],
     *,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.arguments import AXES, NUMBERS, PATH, TEXT, takes
+from flexarm.arguments import NUMBERS, takes
 from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
 from flexarm.arm.joint_units import units_by_joint
@@ -138,7 +138,7 @@ class Simulation(Result):
         turn = Rotation.from_quat(self.orientation.reshape(-1, 4))
         return np.asarray(turn.inv().apply(specific.reshape(-1, 3))).reshape(specific.shape)
 
-    @takes(times=NUMBERS, point=TEXT)
+    @takes(times=NUMBERS)
     def at(self, times: ArrayLike, point: str) -> Floats:
         """Return positions of a point [m] at any times [s], shape (m, 3), by cubic Hermite interpolation.
 
@@ -162,7 +162,7 @@ class Simulation(Result):
         return contents(self)
 
     @classmethod
-    @takes(path=PATH)
+    @takes()
     def load(cls, path: str | Path) -> Simulation:
         """Read a run that `save` wrote.
 
@@ -175,7 +175,7 @@ class Simulation(Result):
 
         return cls(**stored(path))
 
-    @takes(point=TEXT, ax=AXES)
+    @takes()
     def plot(self, point: str | None = None, ax: Axes | None = None) -> Axes:
         """Draw the coordinates of a point against time.
 

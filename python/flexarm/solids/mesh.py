@@ -12,16 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexarm.arguments import (
     ARRAY,
-    FLAG,
     GROUPS,
     INDICES,
     MATERIAL,
     MATERIALS,
     NUMBER,
-    PATH,
-    ROTATION,
     SOLID,
-    TEXT,
     VECTOR,
     holds,
     takes,
@@ -38,7 +34,7 @@ if TYPE_CHECKING:
     from flexarm import _core
 
 
-@holds(points=ARRAY, cells=INDICES, cell_groups=GROUPS, point_sets=INDICES, materials=MATERIALS, file=TEXT)
+@holds(points=ARRAY, cells=INDICES, cell_groups=GROUPS, point_sets=INDICES, materials=MATERIALS)
 @dataclass(frozen=True, eq=False)
 class SolidMesh:
     """A part as solid finite elements.
@@ -209,7 +205,7 @@ class SolidMesh:
             raise InvalidParameter(found[0].what, where=found[0].where, problems=found)
         return self
 
-    @takes(rotation=ROTATION, translation=VECTOR)
+    @takes()
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Self:
         """Return the part in another place: x -> R x + t, R a rotation matrix, t in m."""
         turn = np.eye(3) if rotation is None else np.asarray(rotation, dtype=float)
@@ -222,7 +218,7 @@ class SolidMesh:
 
         return with_materials(self, materials)
 
-    @takes(name=TEXT)
+    @takes()
     def with_point_set(self, name: str, points: ArrayLike) -> Self:
         """Return the mesh with one more set of points."""
         return replace(self, point_sets={**self.point_sets, name: np.asarray(points)})
@@ -270,7 +266,7 @@ class SolidMesh:
         lines += [f"  set   {name}: {len(points)} points" for name, points in self.point_sets.items()]
         return "\n".join(lines)
 
-    @takes(path=PATH, force=FLAG)
+    @takes()
     def save(self, path: str | Path, *, force: bool = False) -> Path:
         """Write points, cells, groups and sets as VTU (ParaView opens it; `read_mesh` reads it back)."""
         from flexarm.solids.saving import save

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
-from flexarm.arguments import ARM, NAMES, VALUES, VECTORS, takes
+from flexarm.arguments import NAMES, VECTORS, takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats, frozen
 from flexarm.assembly import assemble
@@ -18,7 +18,7 @@ from flexarm.statics.part_shape import PartShape
 from flexarm.statics.statics import Statics
 
 
-@takes(arm=ARM, joints=VALUES, forces=VECTORS, at_link=NAMES, sensitivities=NAMES)
+@takes(forces=VECTORS, at_link=NAMES)
 def static(
     arm: Arm,
     joints: Mapping[str, float] | None = None,

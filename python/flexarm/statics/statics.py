@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.arguments import NUMBER, PATH, takes
+from flexarm.arguments import takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.pictures import drawn, viewed
@@ -86,7 +86,7 @@ class Statics(Result):
         return contents(self)
 
     @classmethod
-    @takes(path=PATH)
+    @takes()
     def load(cls, path: str | Path) -> Statics:
         """Read what `save` wrote.
 
@@ -99,7 +99,7 @@ class Statics(Result):
 
         return cls(**stored(path))
 
-    @takes(scale=NUMBER)
+    @takes()
     def plot(self, ax: Axes | None = None, scale: float | None = None) -> Axes:
         """Draw the deformed arm over the rigid one, in the plane in which it reaches and moves most.
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
-from flexarm.arguments import PATH, takes
+from flexarm.arguments import takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidFile
 from flexarm.output import write_file
@@ -113,7 +113,7 @@ class State:
             self._moment = self.stored.moment(system)
         return self._moment
 
-    @takes(path=PATH)
+    @takes()
     def save(self, path: str | Path) -> None:
         """Write the state as an .npz file, whatever its name.
 
@@ -127,7 +127,7 @@ class State:
         write_file(path, image.getbuffer())
 
     @classmethod
-    @takes(path=PATH)
+    @takes()
     def load(cls, path: str | Path) -> State:
         """Read what `save` wrote.
 

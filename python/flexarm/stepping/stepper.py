@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexarm import _core
-from flexarm.arguments import ARM, NAMES, NUMBER, TEXTS, VALUES, VECTORS, require, takes
+from flexarm.arguments import NAMES, TEXTS, VECTORS, require, takes
 from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
 from flexarm.arm.drive_effect import DriveEffect
@@ -65,7 +65,7 @@ class Stepper:
     >>> state = sim.step(state, {"hinge": sim.joint(state, "hinge").motor_torque})  # doctest: +SKIP
     """
 
-    @takes(arm=ARM, inputs=TEXTS, forces=NAMES, step=NUMBER, alpha=NUMBER)
+    @takes(inputs=TEXTS, forces=NAMES)
     def __init__(
         self,
         arm: Arm,
@@ -106,7 +106,7 @@ class Stepper:
         """Time step [s]."""
         return self._step
 
-    @takes(joints=VALUES)
+    @takes()
     def start(
         self, joints: Mapping[str, float] | None = None, forces: Mapping[str, ArrayLike] | None = None
     ) -> State:

@@ -14,15 +14,10 @@ from numpy.typing import ArrayLike
 
 from flexarm.arguments import (
     ARRAY,
-    FLAG,
     NAMES,
-    PATH,
     POSITIVE,
-    ROTATION,
     SHARE,
     TABLES,
-    TEXT,
-    VECTOR,
     holds,
     takes,
 )
@@ -39,7 +34,6 @@ if TYPE_CHECKING:
 
 
 @holds(
-    name=TEXT,
     interfaces=NAMES,
     positions=ARRAY,
     rotations=ARRAY,
@@ -153,7 +147,7 @@ class SuperElement(Shown):
     def _inertia(self) -> RigidInertia:
         return rigid_inertia(self.mass, self.positions)
 
-    @takes(name=TEXT)
+    @takes()
     def interface(self, name: str) -> tuple[Floats, Floats]:
         """Return the rotation (3, 3) and position (3,) of an interface in the part's frame.
 
@@ -204,7 +198,7 @@ class SuperElement(Shown):
                 first.what, where=f"super-element {self.name!r}: {first.where}", problems=tuple(problems)
             )
 
-    @takes(rotation=ROTATION, translation=VECTOR)
+    @takes()
     def moved(self, rotation: ArrayLike, translation: ArrayLike = (0.0, 0.0, 0.0)) -> SuperElement:
         """Return the part seen from a frame in which its own stands at (rotation, translation).
 
@@ -293,7 +287,7 @@ class SuperElement(Shown):
 
         return to_json_dict(self)
 
-    @takes(path=PATH, force=FLAG)
+    @takes()
     def save(self, path: str | Path, force: bool = False) -> None:
         """Write the super-element as NetCDF; the file appears when it is complete.
 
@@ -307,7 +301,7 @@ class SuperElement(Shown):
         save(self, path, force)
 
     @classmethod
-    @takes(path=PATH)
+    @takes()
     def load(cls, path: str | Path) -> SuperElement:
         """Read a super-element file, written by flexarm or another program.
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexarm.arguments import AXES, COUNT, takes
+from flexarm.arguments import takes
 from flexarm.arm import Arm
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidParameter
@@ -27,7 +27,7 @@ COLUMNS = 3
 """Of a figure of several modes."""
 
 
-@takes(ax=AXES)
+@takes()
 def draw(of: Any, ax: Axes | None = None, **options: Any) -> Axes:
     """Draw an arm, an equilibrium or modes with Matplotlib, with the options of its method `plot`.
 
@@ -42,8 +42,8 @@ def draw(of: Any, ax: Axes | None = None, **options: Any) -> Axes:
     raise InvalidParameter(f"must be an Arm, Statics or Modes, got {type(of).__name__}", where="draw")
 
 
-@takes(mode=COUNT)
-def _modes(found: Modes, ax: Axes | None, mode: int | None = None) -> Axes:
+@takes()
+def _modes(found: Modes, ax: Axes | None = None, mode: int | None = None) -> Axes:
     import matplotlib.pyplot as plt
 
     scene, count = of_modes(found), len(found.frequency_hz)

@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
-from flexarm.arguments import FLAG, MESH, NUMBER, PATH, RECORD, VALUES, takes
+from flexarm.arguments import takes
 from flexarm.arm import Arm
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.result import Diagnosis
@@ -44,7 +44,7 @@ class View:
         """The page: one file that needs no network, with Meshcat's viewer in it."""
         return page(self.scene)
 
-    @takes(path=PATH, force=FLAG)
+    @takes()
     def save(self, path: str | Path, force: bool = False, inputs: Iterable[Path] = ()) -> None:
         """Write the page as one HTML file.
 
@@ -95,22 +95,22 @@ def view(of: Any, **options: Any) -> View:
     raise InvalidParameter(f"must be one of {known}, got {type(of).__name__}", where="view")
 
 
-@takes(joints=VALUES, urdf=PATH)
+@takes()
 def _arm(arm: Arm, joints: Mapping[str, float] | None = None, urdf: str | Path | None = None) -> Scene:
     return of_arm(arm, joints, _meshes(arm, urdf))
 
 
-@takes(scale=NUMBER, urdf=PATH)
+@takes()
 def _statics(found: Statics, scale: float | None = None, urdf: str | Path | None = None) -> Scene:
     return of_statics(found, scale, _meshes(found.arm, urdf))
 
 
-@takes(urdf=PATH)
+@takes()
 def _modes(found: Modes, urdf: str | Path | None = None) -> Scene:
     return of_modes(found, _meshes(found.arm, urdf))
 
 
-@takes(record=RECORD, scale=NUMBER, urdf=PATH)
+@takes()
 def _simulation(
     run: Simulation, record: Record | None = None, scale: float = 1.0, urdf: str | Path | None = None
 ) -> Scene:
@@ -120,12 +120,12 @@ def _simulation(
     return of_simulation(run, scale, _meshes(run.arm, urdf), measured)
 
 
-@takes(mesh=MESH)
+@takes()
 def _superelement(part: SuperElement, mesh: SolidMesh | str | Path | None = None) -> Scene:
     return of_superelement(part, part_surface(part, mesh))
 
 
-@takes(record=RECORD, scale=NUMBER, urdf=PATH)
+@takes()
 def _diagnosis(
     found: Diagnosis, record: Record | None = None, scale: float = 1.0, urdf: str | Path | None = None
 ) -> Scene:

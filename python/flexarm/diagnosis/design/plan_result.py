@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexarm.arguments import TEXT, takes
+from flexarm.arguments import takes
 from flexarm.arm.consistency import missing
 from flexarm.diagnosis.policy import DESIGN, SelectionPolicy
 from flexarm.errors import InvalidParameter
@@ -165,7 +165,7 @@ class Plan(SavedAsDirectory, Summarised):
     assumed: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
-    @takes(name=TEXT, at=TEXT)
+    @takes()
     def effect(self, name: str, at: str) -> PlannedEffect:
         """Return an effect by name and place.
 

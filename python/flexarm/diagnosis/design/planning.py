@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import inf, sqrt
 from typing import TYPE_CHECKING
 
-from flexarm.arguments import ARM, CLOCKS, DRIVES, FRAMES, JOBS, NUMBER, takes
+from flexarm.arguments import DRIVES, takes
 from flexarm.arm import Arm
 from flexarm.arm.joint_units import parameters_in
 from flexarm.configuration import version
@@ -95,7 +95,7 @@ def hidden(arm: Arm, effect: Effect, seen: float) -> str:
 Progress = Callable[[float, str], object] | None
 
 
-@takes(arm=ARM, drives=DRIVES, clocks=CLOCKS, frames=FRAMES, n_jobs=JOBS, step=NUMBER, alpha=NUMBER)
+@takes(drives=DRIVES)
 def plan(
     arm: Arm,
     drives: Mapping[str, Drive | Record] | Sequence[Drive | Record],

@@ -15,7 +15,7 @@ import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from flexarm.arguments import ITEMS, PATH, takes
+from flexarm.arguments import ITEMS, takes
 from flexarm.arm import Arm
 from flexarm.importing.guess.logged import logged
 from flexarm.importing.guess.poses import as_poses
@@ -35,7 +35,7 @@ from flexarm.importing.guess.text import map_text
 from flexarm.importing.guess.vectors import named_by_direction, with_quaternions, with_rotations
 
 
-@takes(files=ITEMS, model=PATH, out=PATH)
+@takes(files=ITEMS)
 def guess_map(files: Iterable[Path], model: str | Path, out: str | Path) -> str:
     """Return the text of an import map, TOML, that is proposed for the logs of one run and a model.
 

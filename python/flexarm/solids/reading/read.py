@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flexarm.arguments import MATERIAL, NUMBER, PATH, TEXT, takes
+from flexarm.arguments import MATERIAL, NUMBER, takes
 from flexarm.errors import InvalidFile
 from flexarm.material import Material
 from flexarm.reading import regular_file
@@ -29,7 +29,7 @@ FORMATS = {
 }
 
 
-@takes(path=PATH, unit=TEXT, materials=MATERIAL, merge=NUMBER)
+@takes(materials=MATERIAL, merge=NUMBER)
 def read_mesh(
     path: str | Path,
     unit: str = "m",

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flexarm.arguments import INDICES, LISTED, PATH, POSITIVE, SHARE, TEXT, takes
+from flexarm.arguments import INDICES, LISTED, PATH, POSITIVE, SHARE, takes
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.superelement.checks import STATED_ORDER
@@ -25,18 +25,7 @@ from flexarm.superelement.rigid_motion import PER_INTERFACE
 from flexarm.superelement.shape import HUGE, asymmetric_entry
 
 
-@takes(
-    stiffness=PATH,
-    mass_matrix=PATH,
-    grids=PATH,
-    order=LISTED,
-    damping_matrix=PATH,
-    interfaces=INDICES,
-    unit=TEXT,
-    mass=POSITIVE,
-    tolerance=SHARE,
-    name=TEXT,
-)
+@takes(stiffness=PATH, order=LISTED, interfaces=INDICES, mass=POSITIVE, tolerance=SHARE)
 def accept_matrices(
     stiffness: str | Path,
     mass_matrix: str | Path | None = None,
