@@ -46,6 +46,19 @@ class Trial(NamedTuple):
     """That stay as they are."""
 
 
+class Probes(NamedTuple):
+    """The probes of an effect, and what they are compared with."""
+
+    effects: Sequence[Effect]
+    """The effect at plausible sizes."""
+    null: Values
+    """Values at which it vanishes."""
+    stated: Effect | None
+    """The effect as the model has it."""
+    least: float
+    """Part of a probe, where a fit can start, that what cannot be negative has at least."""
+
+
 class Effect(EffectTraits):
     """Base of all effects. A subclass sets `name` and traits, and has its parameters as fields."""
 
@@ -213,26 +226,16 @@ class Effect(EffectTraits):
         rest = {key: null[key] for key in sized}
         return [self.with_parameters({**rest, key: _plausible(priors[key], null[key])}) for key in sized]
 
-    def sized(
-        self,
-        multiples: Sequence[float],
-        probes: Sequence[Effect],
-        null: Values,
-        stated: Effect | None,
-        least: float,
-    ) -> dict[str, float]:
-        """Return parameters of a sum of multiples of its probes.
-
-        What cannot be negative has at least the part `least` of them, from where a fit can start.
-        """
+    def sized(self, multiples: Sequence[float], probed: Probes) -> dict[str, float]:
+        """Return parameters of a sum of multiples of its probes."""
         values: dict[str, float] = {}
-        for name, zero in null.items():
-            moves = [probe.value_of(name) - zero for probe in probes]
+        for name, zero in probed.null.items():
+            moves = [probe.value_of(name) - zero for probe in probed.effects]
             if name in self.shape or not any(moves):
                 continue
             values[name] = zero + sum(a * m for a, m in zip(multiples, moves, strict=True))
             if name in self.non_negative:
-                values[name] = max(values[name], least * max(abs(m) for m in moves))
+                values[name] = max(values[name], probed.least * max(abs(m) for m in moves))
             elif zero > 0:
                 values[name] = max(values[name], 0.3 * zero)
         return values

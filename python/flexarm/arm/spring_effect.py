@@ -25,7 +25,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import BeforeValidator, model_validator
 
 from flexarm.arm.arm import Arm
-from flexarm.arm.effect import Effect, Trial
+from flexarm.arm.effect import Effect, Probes, Trial
 from flexarm.arm.joint_units import along, priors_in
 from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.arm.rotation import Vector
@@ -165,21 +165,16 @@ class SpringEffect(Effect):
             damping = dict.fromkeys(self._keyed("damping"), seconds * k)
             yield self.with_parameters({**rest, key: k, **damping})
 
-    def sized(
-        self,
-        multiples: Sequence[float],
-        probes: Sequence[Effect],
-        null: Values,
-        stated: Effect | None,
-        least: float,
-    ) -> dict[str, float]:
+    def sized(self, multiples: Sequence[float], probed: Probes) -> dict[str, float]:
         """Return the spring of a multiple of the flexibility of each of its probes, eq. (1)."""
         found: dict[str, float] = {}
-        for multiple, probe in zip(multiples, probes, strict=True):
+        for multiple, probe in zip(multiples, probed.effects, strict=True):
             assert isinstance(probe, SpringEffect)
-            key = next(key for key, k in probe.stiffnesses.items() if k != null[key])
-            soft, nominal = 1.0 / probe.stiffnesses[key], flexibility(stated, key)[0]
-            found[key] = 1.0 / max(nominal + multiple * (soft - nominal), least * soft, 1.0 / self.rigid)
+            key = next(key for key, k in probe.stiffnesses.items() if k != probed.null[key])
+            soft, nominal = 1.0 / probe.stiffnesses[key], flexibility(probed.stated, key)[0]
+            found[key] = 1.0 / max(
+                nominal + multiple * (soft - nominal), probed.least * soft, 1.0 / self.rigid
+            )
         return {**found, **self._damped(min(found.values()))}
 
     def acting_as(

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from math import atan2, hypot, pi
 from typing import ClassVar, Self
 
-from flexarm.arm.effect import Effect
+from flexarm.arm.effect import Effect, Probes
 from flexarm.arm.prior import Priors, Values
 
 
@@ -26,15 +26,8 @@ class WaveEffect(Effect):
         for phase in (0.0, pi / 2):
             yield self.with_parameters({"phase": phase, "amplitude": priors["amplitude"].typical})
 
-    def sized(
-        self,
-        multiples: Sequence[float],
-        probes: Sequence[Effect],
-        null: Values,
-        stated: Effect | None,
-        least: float,
-    ) -> dict[str, float]:
+    def sized(self, multiples: Sequence[float], probed: Probes) -> dict[str, float]:
         """Return amplitude and phase of the sum of a sine and a cosine, eq. (1)."""
         sine, cosine = multiples
-        size = probes[0].value_of("amplitude")
+        size = probed.effects[0].value_of("amplitude")
         return {"amplitude": max(hypot(sine, cosine), 1e-3) * size, "phase": atan2(cosine, sine)}

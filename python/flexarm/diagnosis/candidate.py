@@ -18,7 +18,7 @@ from math import exp, log, log1p, pi
 import numpy as np
 
 from flexarm.arm import Arm
-from flexarm.arm.effect import Effect
+from flexarm.arm.effect import Effect, Probes
 from flexarm.arm.joint_units import parameters_in, priors_in
 from flexarm.arm.prior import QUANTILE, Prior
 from flexarm.arrays import Floats
@@ -135,8 +135,8 @@ class Candidate:
         return arm.with_effect(self.needs)
 
     def sized(self, multiples: Sequence[float], least: float = 0.02) -> Effect:
-        """Return the effect of multiples of its probes; `least` as in `Effect.sized`."""
-        return self._at(self.effect.sized(multiples, self.probes, self.null, self.without, least))
+        """Return the effect of multiples of its probes; `least` as `arm.effect.Probes` has it."""
+        return self._at(self.effect.sized(multiples, Probes(self.probes, self.null, self.without, least)))
 
     def at_size(self, multiples: Sequence[float]) -> Candidate:
         """Return the same, of multiples of its probes."""

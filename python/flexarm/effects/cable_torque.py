@@ -12,7 +12,7 @@ from math import pi
 from typing import TYPE_CHECKING, Self
 
 from flexarm.arm.closure import PINNED
-from flexarm.arm.effect import Effect
+from flexarm.arm.effect import Effect, Probes
 from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.tables import Number, value_in
 
@@ -48,17 +48,11 @@ class CableTorque(Effect):
         for angle in (0.0, 0.5):
             yield self.with_parameters({"stiffness": priors["stiffness"].typical, "rest_angle": angle})
 
-    def sized(
-        self,
-        multiples: Sequence[float],
-        probes: Sequence[Effect],
-        null: Values,
-        stated: Effect | None,
-        least: float,
-    ) -> dict[str, float]:
+    def sized(self, multiples: Sequence[float], probed: Probes) -> dict[str, float]:
         """Return stiffness and rest angle of a sum of the probes' torques."""
-        k = sum(multiples) * probes[0].value_of("stiffness")
-        pull = multiples[1] * (probes[1].value_of("stiffness") * probes[1].value_of("rest_angle"))
+        first, second = probed.effects
+        k = sum(multiples) * first.value_of("stiffness")
+        pull = multiples[1] * (second.value_of("stiffness") * second.value_of("rest_angle"))
         return {"stiffness": k, "rest_angle": pull / k if k else 0.0}
 
     def priors(self, arm: Arm) -> dict[str, Prior]:

@@ -15,8 +15,8 @@ from collections.abc import Iterable, Sequence
 
 from flexarm.arm.arm import Arm
 from flexarm.arm.drive_effect import DriveEffect
-from flexarm.arm.effect import Effect
-from flexarm.arm.prior import Prior, Values
+from flexarm.arm.effect import Probes
+from flexarm.arm.prior import Prior
 from flexarm.tables import Number, value_in
 
 
@@ -45,26 +45,20 @@ class DriveLag(DriveEffect):
         """Return D and tau of (1)."""
         return self.delay, self.time_constant
 
-    def sized(
-        self,
-        multiples: Sequence[float],
-        probes: Sequence[Effect],
-        null: Values,
-        stated: Effect | None,
-        least: float,
-    ) -> dict[str, float]:
+    def sized(self, multiples: Sequence[float], probed: Probes) -> dict[str, float]:
         """Return start values; split the total lag equally where a multiple is negative.
 
         To first order only the sum of delay and time constant is seen.
         """
-        found = super().sized(multiples, probes, null, stated, least)
+        found = super().sized(multiples, probed)
         if len(found) < 2 or min(multiples) >= 0:
             return found
         late = sum(
-            times * (probe.value_of(key) - null[key])
-            for times, probe in zip(multiples, probes, strict=True)
+            times * (probe.value_of(key) - probed.null[key])
+            for times, probe in zip(multiples, probed.effects, strict=True)
             for key in found
         )
+        null, least = probed.null, probed.least
         return {key: max(null[key] + late / len(found), least * self.value_of(key)) for key in found}
 
     def priors(self, arm: Arm) -> dict[str, Prior]:

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar, Self
 
-from flexarm.arm.effect import Effect, Trial
+from flexarm.arm.effect import Effect, Probes, Trial
 from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.tables import Number, value_in
@@ -85,18 +85,11 @@ class OilColumn(Effect):
         """Yield oil with so much air that it is softer by a half: 1/k of (1) is linear in 1/beta."""
         yield self.with_parameters({"bulk_modulus": null["bulk_modulus"] / self.softer})
 
-    def sized(
-        self,
-        multiples: Sequence[float],
-        probes: Sequence[Effect],
-        null: Values,
-        stated: Effect | None,
-        least: float,
-    ) -> dict[str, float]:
+    def sized(self, multiples: Sequence[float], probed: Probes) -> dict[str, float]:
         """Return the bulk modulus of a multiple of its probe's flexibility."""
-        rigid = 1.0 / null["bulk_modulus"]
+        rigid = 1.0 / probed.null["bulk_modulus"]
         soft = rigid + multiples[0] * (self.softer - 1.0) * rigid
-        return {"bulk_modulus": 1.0 / max(soft, least * rigid)}
+        return {"bulk_modulus": 1.0 / max(soft, probed.least * rigid)}
 
     def stated_priors(self, arm: Arm) -> dict[str, Prior]:
         """Return priors about what the model states: oil is softer with air, and hardly ever stiffer."""

@@ -7,6 +7,7 @@ import pytest
 from arms import G, arm, compliance, crane, hinge, point, rigid, smooth_step, tracker
 
 from flexarm import Drive, Signal, simulate
+from flexarm.arm.effect import Probes
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves.search_state import vibrations_about
@@ -162,7 +163,7 @@ def test_a_stated_spring_about_two_axes_is_probed_a_little_softer_about_each():
     probes = list(here.probes(stated, (), null, {}))
     assert probes[0].stiffness == pytest.approx((1e5 / 1.2, 3e5))
     assert probes[1].stiffness == pytest.approx((1e5, 3e5 / 1.2))
-    again = here.sized([1.0, 0.0], probes, null, stated, 0.02)
+    again = here.sized([1.0, 0.0], Probes(probes, null, stated, 0.02))
     assert again["stiffness.x"] == pytest.approx(1e5 / 1.2)
     assert again["stiffness.y"] == pytest.approx(3e5)
 
