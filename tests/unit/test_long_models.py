@@ -4,8 +4,7 @@ import pytest
 
 from flexarm import Arm
 from flexarm.arm import consistency
-from flexarm.arm.base_axis import first_turning_joint
-from flexarm.arm.weight import weight_statement
+from flexarm.arm.weight import first_turning_joint, weight_statement
 from flexarm.errors import InvalidFile
 from flexarm.tables import place
 

@@ -16,11 +16,10 @@ from flexarm.analytic.flexible_link import FlexibleLink
 from flexarm.analytic.integration import simulate
 from flexarm.analytic.linear_modal import LinearModal
 from flexarm.analytic.modal_basis import ModalBasis, pinned_free_basis
-from flexarm.analytic.motion import ArmMotion, tip_position
+from flexarm.analytic.motion import ArmMotion, rigid_tip, tip_position
 from flexarm.analytic.nonlinear_modal import NonlinearModal
 from flexarm.analytic.one_link_arm import OneLinkArm
 from flexarm.analytic.ramped_sine import RampedSine
-from flexarm.analytic.rigid_arm import rigid_tip
 from flexarm.analytic.statics import equilibrium, small_vibrations_hz
 
 __all__ = [

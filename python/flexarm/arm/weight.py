@@ -210,3 +210,21 @@ def _motion(joint: Joint, value: float) -> tuple[Matrix, Vector]:
         return IDENTITY, (0.0, 0.0, 0.0)
     along = scaled(value / hypot(*joint.axis), joint.axis)
     return (IDENTITY, along) if joint.type == "prismatic" else (from_vector(along), (0.0, 0.0, 0.0))
+
+
+def first_turning_joint(arm: Arm) -> Joint | None:
+    """Return the revolute joint nearest to the base, the first in the file if several; None if none."""
+    return next((joint for joint in from_base(arm.joints) if joint.type == "revolute"), None)
+
+
+def base_axis(arm: Arm) -> Vector:
+    """Return the axis of that joint at q = 0 in base axes, about which a compliant base turns.
+
+    Its length is arbitrary.
+    """
+    joint = first_turning_joint(arm)
+    if joint is None:
+        return (0.0, 0.0, 1.0)
+    child = link_frames(arm)[link_of(joint.child)]
+    rotation, _ = chained(child, place_in_link(arm, joint.child))  # turning about the axis leaves it
+    return rotated(rotation, joint.axis)

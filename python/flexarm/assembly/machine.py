@@ -15,11 +15,11 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
-from flexarm.arm.base_axis import base_axis
 from flexarm.arm.inertia import Matrix, inertia_matrix
 from flexarm.arm.link import Link
 from flexarm.arm.rotation import Vector, from_vector, rotated
 from flexarm.arm.vocabulary import order_of
+from flexarm.arm.weight import base_axis
 from flexarm.assembly.drive_train import DriveTrain
 
 

@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from flexarm.arguments import ROW, takes
 from flexarm.arm import Arm
 from flexarm.comparison.align import Alignment
-from flexarm.comparison.aligned_record import AlignedRecord, simulate_record
+from flexarm.comparison.aligned_record import AlignedRecord, moving_starts, simulate_record
 from flexarm.comparison.alignment_parameters import uncertain_clock_and_frame
 from flexarm.comparison.bands import alias
 from flexarm.comparison.comparison import Comparison
 from flexarm.comparison.drive_outliers import RemovedOutliers, clean_drives
 from flexarm.comparison.free_vibration import rings_freely
 from flexarm.comparison.gap import SignalGap, signal_gap
-from flexarm.comparison.moving_start import moving_starts
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.comparison.step_check import step_notes
 from flexarm.drive.lead_in import LEAD

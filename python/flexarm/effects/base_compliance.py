@@ -15,9 +15,9 @@ from collections.abc import Iterable
 from math import hypot, inf
 from typing import TYPE_CHECKING, ClassVar, Self
 
-from flexarm.arm.base_axis import base_axis, first_turning_joint
 from flexarm.arm.prior import Prior
 from flexarm.arm.spring_effect import Damping, SpringEffect, Stiffness
+from flexarm.arm.weight import base_axis, first_turning_joint
 from flexarm.tables import value_in
 
 if TYPE_CHECKING:

@@ -13,10 +13,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import hypot, pi
 from typing import TYPE_CHECKING, ClassVar
 
-from flexarm.arm.base_axis import base_axis
 from flexarm.arm.effect import Effect, Trial
 from flexarm.arm.prior import Prior
 from flexarm.arm.wave_effect import WaveEffect
+from flexarm.arm.weight import base_axis
 from flexarm.tables import Number, value_in
 
 if TYPE_CHECKING:

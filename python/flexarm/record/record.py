@@ -8,15 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from flexarm.arguments import (
-    BASE,
-    NAME_OR_NAMES,
-    NAMED,
-    NAMES,
-    SIGNALS,
-    holds,
-    takes,
-)
+from flexarm.arguments import BASE, NAME_OR_NAMES, NAMED, NAMES, SIGNALS, holds, takes
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
 from flexarm.errors import InvalidFile, InvalidParameter, Problem

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,6 @@ import numpy as np
 from flexarm.arrays import Ints
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.material import Material
-from flexarm.solids.names import known_names
 
 if TYPE_CHECKING:
     from flexarm.solids.mesh import SolidMesh
@@ -98,3 +98,15 @@ def _without(mesh: SolidMesh, indices: Mapping[str, Ints]) -> Problem | None:
         f"{count} of {mesh.n_cells} cells have no material ({which}); give one by group or one for all: "
         "Young's modulus [Pa], Poisson's ratio, density [kg/m3]" + "".join(f"; {text}" for text in why),
     )
+
+
+def known_names(name: str, known: Iterable[str], none: str) -> str:
+    """List the names there are, close ones first."""
+    names = list(known)
+    if not names:
+        return none
+    folded = {other.casefold(): other for other in names}
+    close = [folded[match] for match in get_close_matches(name.casefold(), folded, n=3, cutoff=0.6)]
+    meant = f" (did you mean {' or '.join(map(repr, close))}?)" if close else ""
+    shown = ", ".join(names[:40]) + (f" and {len(names) - 40} more" if len(names) > 40 else "")
+    return f"there are {shown}{meant}"

@@ -10,23 +10,12 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexarm.arguments import (
-    ARRAY,
-    GROUPS,
-    INDICES,
-    MATERIAL,
-    MATERIALS,
-    NUMBER,
-    SOLID,
-    VECTOR,
-    holds,
-    takes,
-)
+from flexarm.arguments import ARRAY, GROUPS, INDICES, MATERIAL, MATERIALS, NUMBER, SOLID, VECTOR, holds, takes
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 from flexarm.material import Material
+from flexarm.solids.assigned import known_names
 from flexarm.solids.cell_types import CELL_TYPES
-from flexarm.solids.names import known_names
 
 CellGroup = Mapping[str, Ints]
 

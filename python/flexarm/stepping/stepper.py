@@ -29,8 +29,7 @@ from flexarm.errors import InvalidParameter, NotConverged
 from flexarm.former_names import takes_former_names
 from flexarm.measurement.state_snapshots import StateSnapshots
 from flexarm.stepping.inputs import Input, Inputs
-from flexarm.stepping.readings import JointReading, PointReading
-from flexarm.stepping.state import State
+from flexarm.stepping.state import JointReading, PointReading, State
 from flexarm.tables import toml_text
 
 

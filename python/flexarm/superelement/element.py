@@ -12,15 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexarm.arguments import (
-    ARRAY,
-    NAMES,
-    POSITIVE,
-    SHARE,
-    TABLES,
-    holds,
-    takes,
-)
+from flexarm.arguments import ARRAY, NAMES, POSITIVE, SHARE, TABLES, holds, takes
 from flexarm.arrays import Floats, frozen
 from flexarm.errors import InvalidParameter, Problem
 from flexarm.pictures import Shown, viewed
@@ -255,10 +247,19 @@ class SuperElement(Shown):
         coordinates : array, shape (dof,)
             As for :meth:`recover`, measured from a frame that moves with the part: large rotations are no
             deformation.
-        """
-        from flexarm.superelement.stress import von_mises
 
-        return von_mises(self, mesh, coordinates)
+        Raises
+        ------
+        InvalidParameter
+            If the part holds no recovery matrix, or not one of this mesh.
+        """
+        from flexarm import _core
+
+        displacements = self.recover(coordinates)
+        if len(displacements) != mesh.n_points:
+            what = f"was reduced from {len(displacements)} points, the mesh has {mesh.n_points}"
+            raise InvalidParameter(what, where=f"super-element {self.name!r}")
+        return np.asarray(_core.von_mises(mesh.core(), displacements))
 
     def view(self, mesh: SolidMesh | str | Path | None = None) -> View:
         """Show the part in three dimensions: mesh, interfaces and centre of mass.

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import log, pi
 
-from flexarm.comparison import moving_start
+from flexarm.comparison.aligned_record import MOVING_RATE
 from flexarm.comparison.drive_outliers import SpikePolicy
 
 
@@ -67,7 +67,7 @@ class ValidationPolicy(SpikePolicy):
     clock_step_times: int = 60  # [-] instants of such a step that are tried
     pause_ratio: float = 20.0  # [-] interval over the usual one that is a pause
     smooth_rate_hz: float = 50.0  # [Hz] angles are smooth from sample to sample from this rate on
-    moving_rate: float = moving_start.MOVING_RATE  # [-] share of its greatest rate above which a drive moves
+    moving_rate: float = MOVING_RATE  # [-] share of its greatest rate above which a drive moves
 
     # frames
     min_shift: float = 5e-3  # [reach] least shift of a place

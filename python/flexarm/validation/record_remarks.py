@@ -19,8 +19,8 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.sizes import implausible_sizes
+from flexarm.comparison.aligned_record import moving_starts
 from flexarm.comparison.drive_outliers import blank_rows
-from flexarm.comparison.moving_start import moving_starts
 from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
 from flexarm.comparison.simulated_record import SimulatedRecord
