@@ -154,12 +154,9 @@ def wavenumber(ends: EndConditions, index: int) -> float:
             low = middle
         else:
             high = middle
-    return float(brentq(lambda lam: frequency_determinant(ends, lam), low, high, xtol=1e-15, rtol=1e-15))
-
-
-def frequency_determinant(ends: EndConditions, lam: float) -> float:
-    """Return the determinant of the end conditions, rows scaled by positive numbers; zero at a frequency."""
-    return float(np.linalg.det(end_matrix(ends, lam)))
+    return float(
+        brentq(lambda lam: float(np.linalg.det(end_matrix(ends, lam))), low, high, xtol=1e-15, rtol=1e-15)
+    )
 
 
 def end_matrix(ends: EndConditions, lam: float) -> Array:

@@ -135,10 +135,6 @@ class Estimation:
             )
         return replace(self, families=tuple(families))
 
-    def prior_deviance(self, u: Floats) -> float:
-        """Return the second term of (1)."""
-        return float((u - self.centre) @ self.precision() @ (u - self.centre))
-
     def weighting(self, residual: Floats, input_errors: Floats, spread: Floats) -> Weighting:
         """Return W of (1) and C of (3) given a residual that has a spread J R, R R^T = H^-1."""
         channels = channels_of(self.problem, is_non_smooth(self.arm), input_errors, self.white)
@@ -261,7 +257,8 @@ class Posterior:
     def objective(self, u: Floats, residual: Floats | None = None) -> float:
         """Return (1) with W of this posterior."""
         r = self.estimation.residual(u, self.point.jacobian) if residual is None else residual
-        return float(np.sum(self.weighting.root(r) ** 2)) + self.estimation.prior_deviance(u)
+        moved = u - self.estimation.centre
+        return float(np.sum(self.weighting.root(r) ** 2)) + float(moved @ self.estimation.precision() @ moved)
 
 
 def estimate(estimation: Estimation, u: Floats, tell: Tell, basis: Floats | None = None) -> Posterior:

@@ -29,6 +29,7 @@ from flexarm.diagnosis.noise_model import (
 )
 from flexarm.diagnosis.policy import NOISE_MODEL
 from flexarm.diagnosis.problem import Problem
+from flexarm.diagnosis.simulation_cache import SimulationCache
 from flexarm.effects.encoder_quantisation import EncoderQuantisation
 from flexarm.measurement.effects_of import effects_of
 from flexarm.measurement.encoder import quantised
@@ -130,7 +131,8 @@ def _error(problem: Problem, arm: Arm, effect: EncoderQuantisation, rng: np.rand
         name: _rounded_again(record, arm, effect, rng) if _moves_by(record, effect.at) else record
         for name, record in problem.records.items()
     }
-    error = problem.with_drives(again).residual(arm) - problem.residual(arm)
+    rounded = problem.along(SimulationCache(again, problem.step, problem.alpha))
+    error = rounded.residual(arm) - problem.residual(arm)
     return np.array([float(np.sqrt(np.mean(error[each.where] ** 2))) for each in problem.rows])
 
 

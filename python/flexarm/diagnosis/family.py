@@ -240,10 +240,6 @@ class EffectFamily(Candidate):
             arm = member.enter(arm)
         return arm
 
-    def base(self, arm: Arm) -> Arm:
-        """Return the model that a probe differs from."""
-        return arm
-
     def at_size(self, multiples: Sequence[float]) -> EffectFamily:
         """Return the same, of multiples of probes: shared ones, or those of one member after the other."""
         each = len(multiples) if self.shared else len(multiples) // len(self.members)
@@ -274,13 +270,10 @@ class EffectFamily(Candidate):
         """Return the same without one of its places."""
         return EffectFamily.of([m for m in self.members if m.effect.at != at], self.hierarchy, self.shared)
 
-    def at_of(self, name: str) -> str:
-        """Return the place of a parameter."""
-        return self.members[self._values[name][0][0]].effect.at
-
-    def names_of(self, parameter: str) -> list[str]:
-        """Return the names of a parameter of all members."""
-        return [name for name, ((_, own), *_) in self._values.items() if own == parameter]
+    def owner_of(self, name: str) -> tuple[str, str]:
+        """Return the place of a parameter of this name, and its own name there."""
+        k, parameter = self._values[name][0]
+        return self.members[k].effect.at, parameter
 
 
 def family_of(members: Sequence[Candidate], arm: Arm, policy: FamilyPolicy) -> EffectFamily | None:
@@ -307,7 +300,7 @@ def clear_places(fit: Fit, family: EffectFamily, strong: float) -> list[str]:
         if fit.members[parameter.candidate] is family and family.is_size(parameter.name):
             relative = abs(parameter.slope(float(z)) / parameter.value(float(z))) * std[j]
             if relative < (2 * strong) ** -0.5:
-                found.append(family.at_of(parameter.name))
+                found.append(family.owner_of(parameter.name)[0])
     return list(dict.fromkeys(found))
 
 
@@ -328,8 +321,8 @@ def _updated(fit: Fit, k: int, variance: Floats) -> Candidate:
         return member
     hierarchy = dict(member.hierarchy)
     for parameter, prior in member.hierarchy.items():
-        names = member.names_of(parameter)
-        where = [j for j, c in enumerate(fit.parameters) if c.candidate == k and c.name in names]
+        own = (j for j, c in enumerate(fit.parameters) if c.candidate == k)
+        where = [j for j in own if member.owner_of(fit.parameters[j].name)[1] == parameter]
         values = np.array([fit.parameters[j].value(float(fit.z[j])) for j in where])
         u = np.log(values) if prior.has_mean else values
         hierarchy[parameter] = prior.updated(u, variance[where] * prior.spread**2)

@@ -170,12 +170,8 @@ class Problem:
         found.evidence = WeakKeyDictionary()
         return found
 
-    def with_drives(self, records: Mapping[str, Record]) -> Problem:
-        """Return the same rows against simulations along the drives of other records."""
-        return self.along(SimulationCache(records, self.step, self.alpha))
-
     def along(self, simulations: SimulationCache) -> Problem:
-        """Return the same rows against other simulations."""
+        """Return the same rows against other simulations, such as those along other drives."""
         found = self.fresh()
         found.records, found.simulations, found.draws = simulations.records, simulations, {}
         return found

@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import cmp_to_key
+from functools import cmp_to_key, partial
 
 import numpy as np
 
@@ -36,8 +36,8 @@ from flexarm.diagnosis.evidence import explained_share, log_bayes_factor
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit
 from flexarm.diagnosis.moves.confounding import confounding
 from flexarm.diagnosis.moves.families import families, without_idle_places
-from flexarm.diagnosis.moves.proposals import pairs, shapes, singles, spring_swap, triples, twin_spring
-from flexarm.diagnosis.moves.search_state import Move, SearchState
+from flexarm.diagnosis.moves.proposals import sets, shapes, singles, spring_swap, twin_spring
+from flexarm.diagnosis.moves.search_state import Move, SearchState, silent
 from flexarm.diagnosis.noise_model import allow_for_discretisation_error, allow_for_input_noise
 from flexarm.diagnosis.policy import FIT
 from flexarm.diagnosis.refinement import (
@@ -58,7 +58,7 @@ FORWARD: Mapping[str, Move] = {
 """They add an effect."""
 CONFLICT: Mapping[str, Move] = {"confounding": confounding, **FORWARD}
 """The same where nothing but a conflict with priors is left."""
-SETS: Mapping[str, Move] = {"pairs": pairs, "triples": triples}
+SETS: Mapping[str, Move] = {"pairs": partial(sets, size=2), "triples": partial(sets, size=3)}
 """They compete with a single effect, which is the model that they get."""
 ELSEWHERE: Mapping[str, Move] = {"spring_swap": spring_swap}
 """They change the best model."""
@@ -135,10 +135,6 @@ def _in_steps(fit: Fit, estimator: Estimator) -> tuple[Fit, Estimator]:
 Note = Callable[[str, float], object]
 
 
-def _silent(what: str, done: float) -> None:
-    """Take a note that nobody reads."""
-
-
 SEARCHED, WEIGHED = 0.75, 0.9
 """Parts of a budget of time at which the search for effects, and the fits of their alternatives, end."""
 
@@ -169,7 +165,7 @@ class Choice:
 
 def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = None) -> Choice:
     """Select effects: forward and backward, refine, swap."""
-    tell = note or _silent
+    tell = note or silent
     problem, start = estimator.problem, estimator.fit(())
     null, about_null = fitted_null(start, estimator)
     places = cardan_joints(problem.arm, driven_joints(problem.arm, problem.records.values()))
@@ -326,7 +322,7 @@ def backward(criteria: Criteria, best: Fit, estimator: Estimator) -> tuple[Fit, 
     return best, estimator
 
 
-def swap(state: SearchState, best: Fit, about: Estimator, tell: Note = _silent) -> Choice:
+def swap(state: SearchState, best: Fit, about: Estimator, tell: Note = silent) -> Choice:
     """Return a model with its alternatives, after those that are ahead have replaced its effects.
 
     No model is chosen twice: of two that are equal each may be ahead by a little.
@@ -345,7 +341,7 @@ def swap(state: SearchState, best: Fit, about: Estimator, tell: Note = _silent) 
     return choice
 
 
-def with_alternatives(state: SearchState, best: Fit, about: Estimator, tell: Note = _silent) -> Choice:
+def with_alternatives(state: SearchState, best: Fit, about: Estimator, tell: Note = silent) -> Choice:
     """Return a model with the alternatives of its effects and the evidence for each effect."""
     criteria = state.criteria
     alternatives, needed, shares = [], [], []

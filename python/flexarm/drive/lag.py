@@ -51,11 +51,6 @@ def as_followed(drive: Drive, arm: Arm) -> Drive:
     return late.at_inputs(arm)
 
 
-def lagging(drive: Drive, arm: Arm) -> list[str]:
-    """Return the driven joints that follow late."""
-    return [name for name in drive.joints if lags_between(arm, name)]
-
-
 def lagged(drive: JointDrive, delay: float, time_constant: float) -> JointDrive:
     """Return the response (1) to a drive u, with D and tau [s] that are not negative."""
     gone = 1e-12  # part of the drive's range below which it is not

@@ -88,7 +88,9 @@ class Hdf5File(Tree):
 
 
 class NetcdfFile(Hdf5File):
-    """A NetCDF file of the classic format."""
+    """A NetCDF file of the classic format, whose variables are kept."""
+
+    leaf = Tree.leaf
 
     def leaves(self) -> dict[str, tuple[int, ...]]:
         """Return name -> shape of all variables of numbers."""
@@ -103,7 +105,3 @@ class NetcdfFile(Hdf5File):
                 for n, v in variables.items()
             }
         return {name: values.shape for name, values in self._arrays.items()}
-
-    def leaf(self, path: str) -> Array:
-        """Return a variable."""
-        return self._arrays[path]

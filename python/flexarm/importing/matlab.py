@@ -26,10 +26,6 @@ class MatFile(Tree):
         self._arrays = {path: array for path, array in found.items() if array.dtype.kind in "fiubc"}
         return {path: array.shape for path, array in self._arrays.items()}
 
-    def leaf(self, path: str) -> Array:
-        """Return an array."""
-        return self._arrays[path]
-
 
 def _of_v5(path: Any) -> Iterator[tuple[str, Array]]:
     from scipy.io import loadmat

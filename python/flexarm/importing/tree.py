@@ -21,15 +21,16 @@ class Tree(Source):
 
     def __init__(self, path: Path, dialect: Dialect, requests: Sequence[Request]) -> None:
         super().__init__(path, dialect, requests)
+        self._arrays: dict[str, Array] = {}
         self.shapes = self.leaves()
 
     @abstractmethod
     def leaves(self) -> dict[str, tuple[int, ...]]:
         """Return path -> shape of all arrays of numbers."""
 
-    @abstractmethod
     def leaf(self, path: str) -> Array:
-        """Return an array."""
+        """Return an array: what `leaves` kept of it, unless a format reads each when it is asked for."""
+        return self._arrays[path]
 
     def names(self, topic: str | None) -> list[str]:
         """Return paths from the topic, "" if it is an array itself, and then all from the root."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import factorial
 from typing import TYPE_CHECKING, ClassVar
@@ -126,8 +125,3 @@ def basis_of(problem: Problem, name: str, policy: LawPolicy, start: float = np.i
     times = [rows.time for rows in problem.rows_of(name)]
     first = min(start, *(float(t[0]) for t in times))
     return TimeBasis.over(first, max(float(t[-1]) for t in times), policy)
-
-
-def lengths_of(bases: Sequence[Basis], policy: LawPolicy) -> tuple[float, ...]:
-    """Return the correlation lengths to try [s]; poses have none, told by a single zero."""
-    return policy.lengths if any(isinstance(each, TimeBasis) for each in bases) else (0.0,)

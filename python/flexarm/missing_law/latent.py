@@ -29,7 +29,7 @@ from flexarm.diagnosis.candidate import with_members
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import Problem
 from flexarm.drive.doubts import slides
-from flexarm.missing_law.basis import Basis, TimeBasis, lengths_of
+from flexarm.missing_law.basis import Basis, TimeBasis
 from flexarm.missing_law.gaussian import ColumnSpace, GaussianData, GaussianModel
 from flexarm.missing_law.policy import LawPolicy
 from flexarm.missing_law.slow import SlowMotion, slow_places
@@ -65,14 +65,10 @@ class Latent:
     """Keys of the `tabulated_law` that a slow motion is as a function of a state; None if there is none."""
 
     @property
-    def evidence_without(self) -> float:
-        """Log evidence without the motion."""
-        return GaussianModel.of(self.data, np.zeros((len(self.data.y), 1))).log_evidence
-
-    @property
     def gain(self) -> float:
         """Log evidence of the motion over none."""
-        return self.model.log_evidence - self.evidence_without
+        none = GaussianModel.of(self.data, np.zeros((len(self.data.y), 1)))
+        return self.model.log_evidence - none.log_evidence
 
 
 def noise_scale(problem: Problem, fit: Fit) -> Floats:
@@ -153,7 +149,9 @@ def _windup(joint: str, problem: Problem, fit: Fit, arm: Arm, policy: LawPolicy)
 
 def _roots(space: ColumnSpace, bases: Sequence[Basis], policy: LawPolicy) -> _Roots:
     """Return L of (1) with its spectrum, by length."""
-    roots = {each: block_diag(*(basis.root(each) for basis in bases)) for each in lengths_of(bases, policy)}
+    # poses have no correlation length
+    lengths = policy.lengths if any(isinstance(each, TimeBasis) for each in bases) else (0.0,)
+    roots = {each: block_diag(*(basis.root(each) for basis in bases)) for each in lengths}
     return {length: (root, space.spectrum(root)) for length, root in roots.items()}
 
 

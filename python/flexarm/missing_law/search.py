@@ -62,11 +62,6 @@ class MissingLaws:
     why: str = ""
     """Reason if there are none."""
 
-    @property
-    def has_state(self) -> bool:
-        """Return True if a curve is a function of a state."""
-        return any(each.kind not in STATELESS for each in self.curves)
-
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
@@ -108,8 +103,9 @@ def missing_laws(
         if added is not None:
             return tried[-1]
         evidence.append(about.evidence)
-    likely = sorted(range(len(tried)), key=lambda k: -evidence[k])
-    return next((tried[k] for k in likely if tried[k].has_state), tried[-1])
+    likely = (tried[k] for k in sorted(range(len(tried)), key=lambda k: -evidence[k]))
+    of_state = (laws for laws in likely if any(each.kind not in STATELESS for each in laws.curves))
+    return next(of_state, tried[-1])
 
 
 def _unless_worse(law: _Candidate) -> _Candidate:

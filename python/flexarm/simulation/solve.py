@@ -13,11 +13,12 @@ import numpy as np
 
 from flexarm import _core
 from flexarm.arm import Arm
+from flexarm.arm.drive_effect import lags_between
 from flexarm.arm.parameter import Parameter, neighbours
 from flexarm.arrays import Floats, read_only
 from flexarm.assembly import assemble, joint_values, loops_of
 from flexarm.drive import Drive
-from flexarm.drive.lag import as_followed, lagging
+from flexarm.drive.lag import as_followed
 from flexarm.errors import InvalidParameter
 from flexarm.sensitivity import Redrive, Sensitivities, collected, varied
 from flexarm.simulation.energies import energies_of
@@ -84,7 +85,7 @@ def _with_drive(run: PreparedRun, found: Simulation) -> Simulation:
     if run.arm.closures:
         found.solver["redundant_conditions"] = loops_of(run.arm).redundant
         found.solver["driven"] = " ".join(run.drive.joints)
-    late = lagging(run.told, run.arm)
+    late = [name for name in run.told.joints if lags_between(run.arm, name)]
     if not late:
         return found
     command = np.full((len(found.time), len(found.joints)), np.nan)

@@ -19,7 +19,6 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.sizes import implausible_sizes
-from flexarm.comparison.aligned_record import moving_starts
 from flexarm.comparison.drive_outliers import blank_rows
 from flexarm.comparison.pose_outliers import LEAST_POSES
 from flexarm.comparison.poses import is_input
@@ -160,9 +159,3 @@ def _remarks(signal: Signal) -> list[str]:
                 f"the noise of {signal.name} is about {noise:.2g} {signal.unit}, stated is {stated:.2g}"
             )
     return found
-
-
-def remarks_on_starts(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """Report records that state a start at rest while a drive moves in its first sample."""
-    for name, simulated in simulations.items():
-        yield from (f"{name}: {remark}" for remark in moving_starts(simulated))

@@ -19,7 +19,7 @@ from typing import Any
 
 from flexarm.arm import Arm
 from flexarm.budget import current
-from flexarm.comparison.aligned_record import simulate_record
+from flexarm.comparison.aligned_record import moving_starts, simulate_record
 from flexarm.comparison.drive_outliers import RemovedOutliers, blank_rows, clean_drives
 from flexarm.comparison.simulated_record import SimulatedRecord
 from flexarm.errors import InvalidParameter
@@ -53,7 +53,6 @@ from flexarm.validation.record_remarks import (
     remarks_on_poses,
     remarks_on_skipped,
     remarks_on_stamps,
-    remarks_on_starts,
 )
 from flexarm.validation.stuck_drives import confirmed_inputs, constant_drive, stuck_drive
 
@@ -125,7 +124,7 @@ def _checked(
     seen: dict[str, list[Channel]] = {}
     remarks += [
         *remarks_on_stamps(named),
-        *remarks_on_starts(simulations),
+        *(f"{name}: {said}" for name, each in simulations.items() for said in moving_starts(each)),
         *remarks_on_few_poses(simulations),
     ]
     remarks += [f"{name} {why}: a diagnosis leaves it out" for name, why in empty.items()]

@@ -171,17 +171,13 @@ def beam_skin(link: Beam, bones: list[int], colour: str) -> Skin:
 
     A general section is drawn as the round bar or the rectangle of its area and second moments.
     """
-    outline = _outline(link.section) @ np.array(section_axes(link)).T
+    in_link = np.array(from_axes(link.end, link.lean))  # the section's axes: x along the beam, z towards `up`
+    outline = _outline(link.section) @ in_link.T
     along = swept(outline, np.zeros((len(bones), 3)))
     per_ring = len(outline)
     ring = np.repeat(bones, per_ring)
     bone = np.concatenate([ring, np.full(per_ring, bones[0]), np.full(per_ring, bones[-1])])
     return Skin("beams", link.name, bone[:, None], along.corners[:, None], along.faces, colour)
-
-
-def section_axes(link: Beam) -> tuple[tuple[float, float, float], ...]:
-    """Return the section's axes as columns in the link's frame: x along the beam, z towards `up`."""
-    return from_axes(link.end, link.lean)
 
 
 def half_widths(section: Section) -> tuple[float, float]:

@@ -105,14 +105,9 @@ def _multi_started(estimator: Estimator, found: Sequence[Fit]) -> list[Fit]:
     return []
 
 
-def pairs(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
-    """Propose sets of two effects, unless `best` leaves nothing but a conflict."""
-    return [] if state.criteria.adequate(best) else fit_sets(about, state, best, 2)
-
-
-def triples(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]) -> list[Fit]:
-    """Propose sets of three effects, unless `best` leaves nothing but a conflict."""
-    return [] if state.criteria.adequate(best) else fit_sets(about, state, best, 3)
+def sets(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit], size: int) -> list[Fit]:
+    """Propose sets of two or three effects, unless `best` leaves nothing but a conflict."""
+    return [] if state.criteria.adequate(best) else fit_sets(about, state, best, size)
 
 
 def fit_sets(estimator: Estimator, state: SearchState, smaller: Fit, size: int) -> list[Fit]:

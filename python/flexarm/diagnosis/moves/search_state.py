@@ -176,8 +176,8 @@ def _from(candidate: Candidate, there: Arm) -> Candidate:
     return replace(candidate, probes=tuple(probes), null=null, without=without)
 
 
-def silent(what: str) -> None:
-    """Take a sentence that nobody reads."""
+def silent(*told: object) -> None:
+    """Take what nobody reads."""
 
 
 @dataclass(eq=False)
