@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -18,16 +19,10 @@ from flexarm.cli.options import (
     Model,
     Out,
     Step,
-    print_json,
     refuse_step,
+    show,
 )
-from flexarm.cli.progress import Tell
 from flexarm.cli.records import fitted
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.calibration.result import Calibration
-    from flexarm.record import Record
 
 
 def calibrate(
@@ -71,23 +66,10 @@ def calibrate(
     from flexarm.calibration.families import family_kinds
 
     refuse_step(step)
-    family_kinds(family or [])
-
-    def fit(arm: Arm, training: dict[str, Record], held_out: Record | None, tell: Tell) -> Calibration:
-        return flexarm.calibrate(
-            arm,
-            training,
-            family or [],
-            held_out,
-            n_jobs=jobs,
-            step=step,
-            max_seconds=max_seconds,
-            progress=tell,
-        )
-
+    families = family or []
+    family_kinds(families)
+    fit = partial(flexarm.calibrate, families=families, n_jobs=jobs, step=step, max_seconds=max_seconds)
     found = fitted(model, records, hold_out, out, force, fit, json)
-    if json:
-        print_json(found.to_json_dict())
-    else:
-        print(found.summary())
+    show(found, json)
+    if not json:
         print(f"\nwritten to {out}: open {out / 'report.html'}")

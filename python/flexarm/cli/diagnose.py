@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 import flexarm
 from flexarm.cli.options import AllowOutside, Force, Jobs, MaxSeconds, Model, Out, Step, refuse_step
-from flexarm.cli.progress import Tell
 from flexarm.cli.records import fitted
-
-if TYPE_CHECKING:
-    from flexarm.arm import Arm
-    from flexarm.diagnosis.result import Diagnosis
-    from flexarm.record import Record
 
 Records = Annotated[
     list[Path], typer.Argument(metavar="RECORD", help="Directories with record.toml: what to explain.")
@@ -59,19 +54,7 @@ def diagnose(
         flexarm compare diagnosis/updated.toml other_day
     """
     refuse_step(step)
-
-    def fit(arm: Arm, training: dict[str, Record], held_out: Record | None, tell: Tell) -> Diagnosis:
-        return flexarm.diagnose(
-            arm,
-            training,
-            hold_out=held_out,
-            n_jobs=jobs,
-            seed=seed,
-            step=step,
-            max_seconds=max_seconds,
-            progress=tell,
-        )
-
+    fit = partial(flexarm.diagnose, n_jobs=jobs, seed=seed, step=step, max_seconds=max_seconds)
     found = fitted(model, records, hold_out, out, force, fit)
     print(found.summary())
     print(f"\nwritten to {out}: open {out / 'report.html'}")

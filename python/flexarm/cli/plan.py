@@ -17,8 +17,8 @@ from flexarm.cli.options import (
     Step,
     blame,
     load_arm,
-    print_json,
     refuse_step,
+    show,
     warn,
 )
 from flexarm.cli.progress import progress
@@ -83,11 +83,8 @@ def plan(
         with output_directory(out, force, [*drive, *(more or ()), *read.values()]) as directory:
             found = _planned(model, arm, motions, jobs, step, json)
             found.write(directory)
-    if json:
-        print_json(found.to_json_dict())
-        return
-    print(found.summary())
-    if out is not None:
+    show(found, json)
+    if out is not None and not json:
         print(f"\nwritten to {out}: open {out / 'plan.html'}")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from flexarm.cli.options import blame, load_arm, warn
-from flexarm.cli.progress import Tell, progress
+from flexarm.cli.progress import progress
 from flexarm.errors import InvalidFile, InvalidParameter, NotConverged
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def fitted(
     hold_out: Path | None,
     out: Path,
     force: bool,
-    fit: Callable[[Arm, dict[str, Record], Record | None, Tell], Found],
+    fit: Callable[..., Found],
     json: bool = False,
 ) -> Found:
     """Fit a model to records but the one held out, and write what is found, traced to its files."""
@@ -68,7 +68,7 @@ def fitted(
     whole = output_directory(out, force, inputs.values(), ["updated.toml"])
     with whole as directory, progress(json) as tell:
         with blame_one_of(model, names, read, arm):
-            found = fit(arm, training, held_out, tell)
+            found = fit(arm, training, hold_out=held_out, progress=tell)
         tell(1.0, "writing")
         found = replace(found, provenance={**found.provenance, "inputs_sha256": hashes(inputs)})
         found.write(directory, model)
