@@ -60,68 +60,47 @@ if TYPE_CHECKING:
     from flexarm.superelement import SuperElement as SuperElement
     from flexarm.superelement.foreign import accept_matrices as accept_matrices
 
-# Public name and the module that defines it, imported when first used: `import flexarm` stays light.
+# Public names by the module that defines them, imported when first used: `import flexarm` stays light.
 # A public name must not also be the name of a module, which would take its place once imported.
-_EXPORTS = {
-    "Arm": "flexarm.arm",
-    "BaseStand": "flexarm.record",
-    "Calibration": "flexarm.calibration.result",
-    "CalibrationPolicy": "flexarm.calibration.policy",
-    "Campaign": "flexarm.campaigns.campaign",
-    "CarriedPayload": "flexarm.record",
-    "Clock": "flexarm.record",
-    "Comparison": "flexarm.comparison",
-    "Diagnosis": "flexarm.diagnosis.result",
-    "DrawnLink": "flexarm.record",
-    "Drive": "flexarm.drive",
-    "Frame": "flexarm.record",
-    "InterfaceSet": "flexarm.reduction",
-    "InvalidFile": "flexarm.errors",
-    "InvalidParameter": "flexarm.errors",
-    "JointDrive": "flexarm.drive",
-    "LinearModel": "flexarm.linear",
-    "Modes": "flexarm.modal",
-    "NotConverged": "flexarm.errors",
-    "Plan": "flexarm.diagnosis.design.plan_result",
-    "Record": "flexarm.record",
-    "SelectionPolicy": "flexarm.diagnosis.policy",
-    "Sensitivities": "flexarm.sensitivity",
-    "Sensor": "flexarm.arm",
-    "Signal": "flexarm.record",
-    "Simulation": "flexarm.simulation",
-    "SolidMesh": "flexarm.solids",
-    "State": "flexarm.stepping",
-    "Statics": "flexarm.statics",
-    "Stepper": "flexarm.stepping",
-    "SuperElement": "flexarm.superelement",
-    "accept_matrices": "flexarm.superelement.foreign",
-    "calibrate": "flexarm.calibration.workflow",
-    "campaign": "flexarm.campaigns.run_study",
-    "compare": "flexarm.comparison",
-    "compare_responses": "flexarm.comparison",
-    "config": "flexarm.configuration",
-    "diagnose": "flexarm.diagnosis.workflow",
-    "export_mjcf": "flexarm.export",
-    "export_part": "flexarm.export",
-    "export_urdf": "flexarm.export",
-    "import_record": "flexarm.importing",
-    "linearise": "flexarm.linear",
-    "load": "flexarm.opening",
-    "measure": "flexarm.measurement",
-    "modes": "flexarm.modal",
-    "plan": "flexarm.diagnosis.design.planning",
-    "read_mesh": "flexarm.solids",
-    "reduce_mesh": "flexarm.reduction",
-    "show_config": "flexarm.configuration",
-    "simulate": "flexarm.simulation",
-    "simulate_all": "flexarm.simulation.simulate_all",
-    "static": "flexarm.statics",
+_NAMES = {
+    "flexarm.arm": "Arm Sensor",
+    "flexarm.calibration.policy": "CalibrationPolicy",
+    "flexarm.calibration.result": "Calibration",
+    "flexarm.calibration.workflow": "calibrate",
+    "flexarm.campaigns.campaign": "Campaign",
+    "flexarm.campaigns.run_study": "campaign",
+    "flexarm.comparison": "Comparison compare compare_responses",
+    "flexarm.configuration": "config show_config",
+    "flexarm.diagnosis.design.plan_result": "Plan",
+    "flexarm.diagnosis.design.planning": "plan",
+    "flexarm.diagnosis.policy": "SelectionPolicy",
+    "flexarm.diagnosis.result": "Diagnosis",
+    "flexarm.diagnosis.workflow": "diagnose",
+    "flexarm.drive": "Drive JointDrive",
+    "flexarm.errors": "InvalidFile InvalidParameter NotConverged",
+    "flexarm.export": "export_mjcf export_part export_urdf",
+    "flexarm.importing": "import_record",
+    "flexarm.linear": "LinearModel linearise",
+    "flexarm.measurement": "measure",
+    "flexarm.modal": "Modes modes",
+    "flexarm.opening": "load",
+    "flexarm.record": "BaseStand CarriedPayload Clock DrawnLink Frame Record Signal",
+    "flexarm.reduction": "InterfaceSet reduce_mesh",
+    "flexarm.sensitivity": "Sensitivities",
+    "flexarm.simulation": "Simulation simulate",
+    "flexarm.simulation.simulate_all": "simulate_all",
+    "flexarm.solids": "SolidMesh read_mesh",
+    "flexarm.statics": "Statics static",
+    "flexarm.stepping": "State Stepper",
+    "flexarm.superelement": "SuperElement",
+    "flexarm.superelement.foreign": "accept_matrices",
 }
+_EXPORTS = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 _MODULES = ("diagnosis", "effects")
 """Public modules."""
 
-__all__ = [*_EXPORTS]
+__all__ = sorted(_EXPORTS)
 
 
 def __getattr__(name: str) -> Any:
