@@ -43,7 +43,7 @@ def write_results(
         file.attrs.update({**attributes, "coordinates": " ".join(coordinates)})
         made = _File(file, count, " ".join(coordinates))
         for name, (values, attrs) in coordinates.items():
-            made.coordinate(name, values, attrs)
+            made.fixed(name, (SAMPLE,), values, attrs)
         _declare(made, variables, nominal)
         _declare_found(made, store.read(), {each.name for each in variables})
         for part in store.read():
@@ -60,23 +60,9 @@ class _File:
 
     def scale(self, name: str, values: Any, attributes: Mapping[str, Any]) -> None:
         """Make a dimension with its coordinate."""
-        if name in self._scales:
-            return
-        texts = isinstance(values, list)
-        self._scales[name] = self._file.create_dataset(
-            name, data=np.array(values, dtype=object) if texts else values, dtype=_text() if texts else None
-        )
-        self._scales[name].attrs.update(attributes)
-        self._scales[name].make_scale(name)
-
-    def coordinate(self, name: str, values: Any, attributes: Mapping[str, Any]) -> None:
-        """Write a coordinate along the samples."""
-        texts = isinstance(values, list)
-        made = self._file.create_dataset(
-            name, data=np.array(values, dtype=object) if texts else values, dtype=_text() if texts else None
-        )
-        made.attrs.update(attributes)
-        made.dims[0].attach_scale(self._scales[SAMPLE])
+        if name not in self._scales:
+            self._scales[name] = self.fixed(name, (), values, attributes)
+            self._scales[name].make_scale(name)
 
     def variable(
         self, name: str, dims: Sequence[str], shape: tuple[int, ...], attributes: Mapping[str, Any], kind: Any
@@ -98,12 +84,14 @@ class _File:
         for axis, dim in enumerate((SAMPLE, *dims)):
             made.dims[axis].attach_scale(self._scales[dim])
 
-    def fixed(self, name: str, dims: Sequence[str], values: Any, attributes: Mapping[str, Any]) -> None:
-        """Write a variable that is no sample's."""
-        made = self._file.create_dataset(name, data=values)
+    def fixed(self, name: str, dims: Sequence[str], values: Any, attributes: Mapping[str, Any]) -> Any:
+        """Write a variable whose values are known, texts as a list, and return it."""
+        kind = _text() if isinstance(values, list) else None
+        made = self._file.create_dataset(name, data=np.array(values, object) if kind else values, dtype=kind)
         made.attrs.update(attributes)
         for axis, dim in enumerate(dims):
             made.dims[axis].attach_scale(self._scales[dim])
+        return made
 
     def put(self, part: Part) -> None:
         """Write the rows of a batch."""
