@@ -121,6 +121,18 @@ class SpringEffect(Effect):
         soft = self.stiffnesses
         return {**super().null(arm), **(dict.fromkeys(soft, self.rigid) if len(soft) == 2 else {})}
 
+    def spring_priors(self, arm: Arm, low: float, high: float, source: str) -> dict[str, Prior]:
+        """Return priors of stiffnesses within a range and, in proportion, of dampings [their units].
+
+        `high` is that of a usual load, see (2).
+        """
+        typical = self.typical_in(arm)
+        k = typical if self.inert else self.softest
+        loss = "engineering judgement: 0.1 to 10 % of critical for an arm that swings at a few Hz"
+        spring = Prior(low, high * self.heavier(arm), typical, "log", self.unit("stiffness"), source)
+        damper = Prior(1e-4 * k, 1e-2 * k, self.typical_damping * k, "log", self.unit("damping"), loss)
+        return {**dict.fromkeys(self.stiffnesses, spring), **dict.fromkeys(self._keyed("damping"), damper)}
+
     def stated_priors(self, arm: Arm) -> dict[str, Prior]:
         """Return priors about this spring as a model states it: near that, whatever others have."""
         if self.inert:

@@ -37,26 +37,8 @@ class JointCompliance(SpringEffect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From small strain-wave to large cycloidal reducers; damping in proportion to the stiffness."""
-        typical = self.typical_in(arm)
-        stiffness = typical if self.inert else self.stiffness
-        return {
-            "stiffness": Prior(
-                3e3,
-                4e6 * self.heavier(arm),
-                typical,
-                "log",
-                "N m/rad",
-                "catalogues: small strain-wave reducers (some 1e3) to large cycloidal ones (1200 N m/arcmin)",
-            ),
-            "damping": Prior(
-                1e-4 * stiffness,
-                1e-2 * stiffness,
-                self.typical_damping * stiffness,
-                "log",
-                "N m s/rad",
-                "engineering judgement: 0.1 to 10 % of critical for an arm that swings at a few Hz",
-            ),
-        }
+        source = "catalogues: small strain-wave reducers (some 1e3) to large cycloidal ones (1200 N m/arcmin)"
+        return self.spring_priors(arm, 3e3, 4e6, source)
 
 
 def spring_at(arm: Arm, joint: str) -> float:

@@ -50,12 +50,5 @@ class JointRadialCompliance(SpringEffect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From a worn bush to a large roller bearing; damping in proportion to the stiffness."""
-        typical = self.typical_in(arm)
-        stiffness = typical if self.inert else self.softest
         source = "catalogues: radial stiffness of roller bearings, 1e8 to 1e10 N/m; less of bushes"
-        loss = "engineering judgement: 0.1 to 10 % of critical for an arm that swings at a few Hz"
-        spring = Prior(1e5, 1e9 * self.heavier(arm), typical, "log", "N/m", source)
-        damper = Prior(
-            1e-4 * stiffness, 1e-2 * stiffness, self.typical_damping * stiffness, "log", "N s/m", loss
-        )
-        return {**dict.fromkeys(self.stiffnesses, spring), **dict.fromkeys(self._keyed("damping"), damper)}
+        return self.spring_priors(arm, 1e5, 1e9, source)

@@ -57,15 +57,8 @@ class JointTiltCompliance(SpringEffect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From small bearings to large slewing rings; damping in proportion to the stiffness."""
-        typical = self.typical_in(arm)
-        stiffness = typical if self.inert else self.softest
         source = (
             "catalogues: tilting stiffness of crossed roller bearings, 1e4 (bore of 20 mm) to 1e7 N m/rad "
             "(bore of 400 mm), less in a light housing"
         )
-        loss = "engineering judgement: 0.1 to 10 % of critical for an arm that swings at a few Hz"
-        spring = Prior(5e3, 1e7 * self.heavier(arm), typical, "log", "N m/rad", source)
-        damper = Prior(
-            1e-4 * stiffness, 1e-2 * stiffness, self.typical_damping * stiffness, "log", "N m s/rad", loss
-        )
-        return {**dict.fromkeys(self.stiffnesses, spring), **dict.fromkeys(self._keyed("damping"), damper)}
+        return self.spring_priors(arm, 5e3, 1e7, source)
