@@ -57,21 +57,9 @@ class CableTorque(Effect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From a signal cable to a dress pack with hoses."""
+        bundles = "engineering judgement: bundles and hoses bent at radii of 0.1 to 0.5 m"
+        dressed = "engineering judgement: dressed near the middle of the range"
         return {
-            "stiffness": Prior(
-                0.3,
-                300.0,
-                10.0,
-                "log",
-                "N m/rad",
-                "engineering judgement: bundles and hoses bent at radii of 0.1 to 0.5 m",
-            ),
-            "rest_angle": Prior(
-                -pi / 2,
-                pi / 2,
-                0.0,
-                "linear",
-                "rad",
-                "engineering judgement: dressed near the middle of the range",
-            ),
+            "stiffness": Prior(0.3, 300.0, 10.0, "log", "N m/rad", bundles),
+            "rest_angle": Prior(-pi / 2, pi / 2, 0.0, "linear", "rad", dressed),
         }

@@ -60,21 +60,8 @@ class JointHysteresis(Effect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Loss of a few percent of the rated torque over some arc minutes."""
+        of = "catalogues of strain-wave and cycloidal reducers:"
         return {
-            "torque": Prior(
-                1.0,
-                300.0,
-                20.0,
-                "log",
-                "N m",
-                "catalogues of strain-wave and cycloidal reducers: loss at 2 to 10 % of rated torque",
-            ),
-            "width": Prior(
-                3e-5,
-                2e-3,
-                3e-4,
-                "log",
-                "rad",
-                "catalogues of strain-wave and cycloidal reducers: hysteresis loss of 0.5 to 3 arc minutes",
-            ),
+            "torque": Prior(1.0, 300.0, 20.0, "log", "N m", f"{of} loss at 2 to 10 % of rated torque"),
+            "width": Prior(3e-5, 2e-3, 3e-4, "log", "rad", f"{of} hysteresis loss of 0.5 to 3 arc minutes"),
         }

@@ -85,6 +85,7 @@ class LugreFriction(Effect):
         )
         starting = "engineering judgement: starting torques are 1 to 2 times running torques"
         bristles = "engineering judgement: a joint creeps by 1e-5 to 1e-3 rad before it slips"
+        rates = "Armstrong-Helouvry et al., Automatica 30(7), 1994: 1e-5 to 0.1 m/s, at radii of some 0.1 m"
         slip = self.coulomb
         return {
             "coulomb": Prior(0.2, 200.0, 8.0, "log", "N m", torques),
@@ -92,12 +93,5 @@ class LugreFriction(Effect):
             "bristle_stiffness": Prior(1e3 * slip, 1e5 * slip, 1e4 * slip, "log", "N m/rad", bristles),
             "bristle_damping": Prior(slip, 1e3 * slip, 30 * slip, "log", "N m s/rad", bristles),
             "viscous": Prior(0.2, 300.0, 10.0, "log", "N m s/rad", "as viscous_friction"),
-            "stribeck_rate": Prior(
-                1e-4,
-                1.0,
-                1e-2,
-                "log",
-                "rad/s",
-                "Armstrong-Helouvry et al., Automatica 30(7), 1994: 1e-5 to 0.1 m/s, at radii of some 0.1 m",
-            ),
+            "stribeck_rate": Prior(1e-4, 1.0, 1e-2, "log", "rad/s", rates),
         }

@@ -62,24 +62,16 @@ class TransmissionError(WaveEffect):
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Return priors: an arc minute peak to peak, mostly twice a turn."""
+        accuracy = (
+            "catalogues of strain-wave and cycloidal reducers: angular transmission accuracy of 0.5 to 2 "
+            "arc minutes peak to peak, simpler gears some times that"
+        )
+        turns = (
+            "engineering judgement: twice a turn in strain-wave reducers, once from an eccentric input, "
+            "higher harmonics smaller"
+        )
         return {
-            "amplitude": Prior(
-                1e-5,
-                6e-4,
-                1e-4,
-                "log",
-                "rad",
-                "catalogues of strain-wave and cycloidal reducers: angular transmission accuracy of 0.5 to 2 "
-                "arc minutes peak to peak, simpler gears some times that",
-            ),
-            "multiple": Prior(
-                0.5,
-                6.0,
-                2.0,
-                "log",
-                "per motor turn",
-                "engineering judgement: twice a turn in strain-wave reducers, once from an eccentric input, "
-                "higher harmonics smaller",
-            ),
+            "amplitude": Prior(1e-5, 6e-4, 1e-4, "log", "rad", accuracy),
+            "multiple": Prior(0.5, 6.0, 2.0, "log", "per motor turn", turns),
             "phase": Prior(-pi, pi, 0.0, "uniform", "rad", "nothing is known of it"),
         }
