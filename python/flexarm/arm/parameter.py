@@ -109,11 +109,6 @@ def parameters(arm: Arm, keys: Iterable[str]) -> tuple[Parameter, ...]:
     return tuple(found.values())
 
 
-def uncertain(arm: Arm) -> tuple[Parameter, ...]:
-    """Return all parameters to which the arm's `[uncertainty]` gives a sigma, vectors spelt out."""
-    return parameters(arm, arm.uncertainty)
-
-
 def stated_sigma(arm: Arm, key: str) -> float | None:
     """Return 1 sigma of a parameter from `[uncertainty]`: of the value itself or of its vector, or None.
 

@@ -63,7 +63,7 @@ class Prior:
             return -log(self.high - self.low) if self.low <= value <= self.high else -inf
         if self.scale == "log" and value <= 0:
             return -inf
-        mode, below, above = self._two_pieces()
+        mode, below, above = self.two_pieces()
         u = log(value) if self.scale == "log" else value
         sigma = below if u < mode else above
         peak = log(2 / (sqrt(2 * pi) * (below + above)))
@@ -73,14 +73,14 @@ class Prior:
         """Return a random value."""
         if self.scale == "uniform":
             return float(rng.uniform(self.low, self.high))
-        mode, below, above = self._two_pieces()
+        mode, below, above = self.two_pieces()
         size = abs(float(rng.standard_normal()))
         left = float(rng.uniform()) * (below + above) < below  # share of (1) on that side
         u = mode - below * size if left else mode + above * size
         return exp(u) if self.scale == "log" else u
 
-    def _two_pieces(self) -> tuple[float, float, float]:
-        """m, sigma_1, sigma_2 of (1)."""
+    def two_pieces(self) -> tuple[float, float, float]:
+        """Return m, sigma_1 and sigma_2 of (1)."""
         low, mode, high = self.low, self.typical, self.high
         if self.scale == "log":
             low, mode, high = log(low), log(mode), log(high)

@@ -20,7 +20,7 @@ import numpy as np
 from flexarm.arm import Arm
 from flexarm.arm.effect import Effect, Probes
 from flexarm.arm.joint_units import parameters_in, priors_in
-from flexarm.arm.prior import QUANTILE, Prior
+from flexarm.arm.prior import Prior
 from flexarm.arrays import Floats
 from flexarm.diagnosis.policy import FIT
 from flexarm.errors import InvalidParameter
@@ -263,12 +263,10 @@ class TransformedParameter:
         return -2.0 * log1p(z * z / 3.0) - 1.0008889  # eq. (2)
 
     def _pieces(self) -> tuple[float, float, float]:
-        low, mode, high = self.prior.low, self.prior.typical, self.prior.high
-        if self.prior.scale == "uniform":
-            return mode, (high - low) / 8, (high - low) / 8
-        if self.prior.scale == "log":
-            low, mode, high = log(low), log(mode), log(high)
-        return mode, (mode - low) / QUANTILE, (high - mode) / QUANTILE
+        if self.prior.scale != "uniform":
+            return self.prior.two_pieces()
+        eighth = (self.prior.high - self.prior.low) / 8
+        return self.prior.typical, eighth, eighth
 
     @property
     def bound(self) -> float:

@@ -29,7 +29,7 @@ from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.fit import FIT_ERRORS, Fit, Projection
 from flexarm.diagnosis.problem import KEPT_RESIDUALS
 from flexarm.errors import InvalidParameter, NotConverged
-from flexarm.named_effects import Place, place_text
+from flexarm.named_effects import Place
 from flexarm.simulation import Progress, reported
 
 Ranked = tuple[float, tuple[int, ...]]
@@ -68,9 +68,6 @@ class Share:
     def places(self) -> tuple[tuple[str, Place], ...]:
         """Name and place of each member."""
         return tuple(member.place for member in self.members)
-
-    def __str__(self) -> str:
-        return f"{self.share:7.2%}  " + " + ".join(f"{m.name} at {place_text(m.at)}" for m in self.members)
 
 
 def probe(estimator: Estimator, found: Sequence[Candidate], progress: Progress = None) -> list[Probed]:

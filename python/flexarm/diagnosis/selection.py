@@ -157,11 +157,6 @@ class Choice:
     tried: list[Fit] = field(default_factory=list)
     """Every fit."""
 
-    @property
-    def gain(self) -> float:
-        """Return ln Z of the chosen model over the nominal one."""
-        return log_bayes_factor(self.best, self.null, self.estimator.problem)
-
 
 def choose(estimator: Estimator, probed: Sequence[Probed], note: Note | None = None) -> Choice:
     """Select effects: forward and backward, refine, swap."""

@@ -97,10 +97,6 @@ class CsvFile:
         """Line number of a row, counted from 1."""
         return next(islice(self._content(), row + 1, None))[0]
 
-    def index(self, column: str) -> int | None:
-        """Position of a column, None if it does not exist."""
-        return self.header.index(column) if column in self.header else None
-
     def texts(self, column: str) -> list[str]:
         """Return the cells of a column as they stand."""
         index = self.header.index(column)
