@@ -119,11 +119,11 @@ def joint_values(arm: Arm, model: Path, given: list[str] | None) -> dict[str, fl
         turns = abs(value) / (2 * math.pi)
         if arm.joint(name).type == "revolute" and turns > shaft_ratio(name, arm.gears):
             what = f"{value:g} rad are {turns:.3g} turns; angles are in radians"
-            warn(Path("command line"), [Problem(f"--joint {name}", what)])
         elif arm.joint(name).type == "prismatic" and abs(value) > LONGEST:
             what = f"{value:g} m are further than any arm reaches; lengths are in m, not in mm"
-            warn(Path("command line"), [Problem(f"--joint {name}", what)])
-        elif what := beyond_travel(arm, name, value, value):
+        else:
+            what = beyond_travel(arm, name, value, value)
+        if what:
             warn(Path("command line"), [Problem(f"--joint {name}", what)])
     return values
 

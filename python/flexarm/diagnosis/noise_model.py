@@ -156,11 +156,9 @@ def weighted_by_input_noise(problem: Problem) -> Problem:
     ]
     if max(times, default=1.0) == 1.0:
         return problem
-    found = problem.fresh()
-    found.rows = tuple(
-        replace(each, sigma=each.sigma * t, input_noise=each.input_noise if t == 1.0 else 0.0)
-        for each, t in zip(problem.rows, times, strict=True)
-    )
+    found = problem.with_noise(np.array(times))
+    rows = zip(found.rows, times, strict=True)
+    found.rows = tuple(each if t == 1.0 else replace(each, input_noise=0.0) for each, t in rows)
     return found
 
 
