@@ -7,11 +7,16 @@ print(*budget.remarks)
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import wraps
 from math import inf, isfinite
 from time import monotonic
+from typing import ParamSpec, TypeVar, cast
+
+P = ParamSpec("P")
+R = TypeVar("R")
 
 BUDGET = "the budget of"
 """How the remark on what was left out begins."""
@@ -61,6 +66,17 @@ def limited(seconds: float | None) -> Iterator[Budget]:
         yield budget
     finally:
         CURRENT.reset(token)
+
+
+def budgeted(work: Callable[P, R]) -> Callable[P, R]:
+    """Limit a function to its argument `max_seconds`, given by name, as `limited` does."""
+
+    @wraps(work)
+    def within(*args: P.args, **kwargs: P.kwargs) -> R:
+        with limited(cast(float | None, kwargs.get("max_seconds"))):
+            return work(*args, **kwargs)
+
+    return within
 
 
 def current() -> Budget:

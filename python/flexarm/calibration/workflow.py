@@ -15,7 +15,7 @@ import numpy as np
 from flexarm.arguments import NAMES, takes
 from flexarm.arm import Arm
 from flexarm.arm.parameter import path_of, with_value
-from flexarm.budget import current, limited
+from flexarm.budget import budgeted, current
 from flexarm.calibration.estimation import Estimation, Posterior
 from flexarm.calibration.families import Family, family_kinds, with_families
 from flexarm.calibration.intervals import Marginal, marginals, own_prior
@@ -52,6 +52,7 @@ Progress = Callable[[float, str], object] | None
 
 
 @takes(families=NAMES)
+@budgeted
 def calibrate(
     arm: Arm,
     records: Mapping[str, Record] | Sequence[Record],
@@ -101,22 +102,6 @@ def calibrate(
     >>> found = flexarm.calibrate(arm, [poses], families=["joint_compliance"])  # doctest: +SKIP
     >>> found.save("calibrated")  # doctest: +SKIP
     """
-    with limited(max_seconds):
-        return _calibration(arm, records, families, hold_out, n_jobs, step, alpha, policy, progress)
-
-
-def _calibration(
-    arm: Arm,
-    records: Mapping[str, Record] | Sequence[Record],
-    families: Sequence[str],
-    hold_out: Record | None,
-    jobs: int | None,
-    step: float,
-    alpha: float,
-    policy: CalibrationPolicy | None,
-    progress: Progress,
-) -> Calibration:
-    """Return the calibration, within the budget of time."""
     begun = time.monotonic()
     tell = progress or (lambda done, what: None)
     family_kinds(families)
@@ -126,7 +111,7 @@ def _calibration(
     clean = clean_records(arm, given, step=step, alpha=alpha)
     held, borrowed = impute_noise(clean.records, held)
     parted = split(arm, clean, clean_records(arm, held, step=step, alpha=alpha))
-    workers = jobs or os.cpu_count() or 1
+    workers = n_jobs or os.cpu_count() or 1
     uncertain = with_zeros(arm, parted.training, SelectionPolicy())
     problem = Problem(uncertain, parted.training, step=step, alpha=alpha, jobs=workers)
     problem, coarse, moved = with_errors_of_drives(problem, SEED)

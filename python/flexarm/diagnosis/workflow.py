@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from flexarm.arguments import FLAG, POLICY, takes
 from flexarm.arm import Arm
 from flexarm.arm.spring_effect import SpringEffect
-from flexarm.budget import allows, current, ended_early, limited
+from flexarm.budget import allows, budgeted, current, ended_early
 from flexarm.configuration import version
 from flexarm.diagnosis.acceptance import Criteria
 from flexarm.diagnosis.candidates import candidates, dominant_frequencies
@@ -70,6 +70,8 @@ Progress = Callable[[float, str], object] | None
 
 
 @takes(policy=POLICY, laws=FLAG)
+@budgeted
+@one_blas_thread()
 def diagnose(
     arm: Arm,
     records: Mapping[str, Record] | Sequence[Record],
@@ -126,23 +128,6 @@ def diagnose(
     >>> found = flexarm.diagnose(arm, [slow, fast], hold_out=other_day)  # doctest: +SKIP
     >>> found.save("diagnosis")  # doctest: +SKIP
     """
-    with limited(max_seconds), one_blas_thread():
-        return _diagnosis(arm, records, hold_out, n_jobs, seed, step, alpha, policy, laws, progress)
-
-
-def _diagnosis(
-    arm: Arm,
-    records: Mapping[str, Record] | Sequence[Record],
-    hold_out: Record | None,
-    jobs: int | None,
-    seed: int,
-    step: float,
-    alpha: float,
-    policy: SelectionPolicy | None,
-    laws: bool,
-    progress: Progress,
-) -> Diagnosis:
-    """Return the diagnosis, within the budget of time."""
     begun = time.monotonic()
     tell = progress or (lambda done, what: None)
     given = named_records(records)
@@ -170,7 +155,7 @@ def _diagnosis(
         parted.training,
         step=FIT.step_ratio * step,
         alpha=alpha,
-        jobs=jobs or os.cpu_count() or 1,
+        jobs=n_jobs or os.cpu_count() or 1,
         policy=policy,
     )
     problem = with_fine_step(problem, problem.arm)
