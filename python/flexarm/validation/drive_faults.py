@@ -65,16 +65,19 @@ class _TestedHypothesis:
 
 
 @dataclass(frozen=True, eq=False)
-class _DriveTest:
-    """Simulate hypotheses for one record; `channels` are those along the drives as recorded, if any."""
+class DriveTest:
+    """Simulate hypotheses for one record."""
 
     arm: Arm
     name: str
     record: Record
-    channels: Sequence[ChannelFinding] | None
-    alpha: float
+    channels: Sequence[ChannelFinding] | None = None
+    """Those along the drives as recorded; None if the model cannot follow these."""
+    step: float = POLICY.coarse_step
+    """Step [s] and `alpha` [-] of the last simulation of a hypothesis; those before have a coarse step."""
+    alpha: float = 0.0
 
-    def simulate(self, hypothesis: Hypothesis, step: float) -> _TestedHypothesis | None:
+    def simulate(self, hypothesis: Hypothesis, step: float = POLICY.coarse_step) -> _TestedHypothesis | None:
         """Simulate one hypothesis; return None if the model cannot follow it."""
         repaired = self.arm.replace(effects=(*self.arm.effects, *hypothesis))
         simulations, _, _ = simulate_records(repaired, {self.name: self.record}, step, self.alpha)
@@ -144,7 +147,7 @@ class _DriveTest:
             return None
         values = {}
         for effect in trial.hypothesis:
-            gain = _mean_gain(self.arm, str(self.record.signals[effect.at].joint), trial.channels)
+            gain = _mean_gain(self, effect.at, trial.channels)
             relative = max(POLICY.factor_accuracy, abs(log(gain)))
             values[effect.at] = {
                 key: (value, relative * value, unit) for key, value, unit in effect.parameters()
@@ -162,7 +165,7 @@ def refuted_drives(arm: Arm, name: str, record: Record) -> set[str]:
     A simulation along them could take minutes, or not end.
     """
     wild = {drive for drive in record.drive if relative_range(record.signals[drive], arm) > 1}
-    test = _DriveTest(arm, name, record, None, 0.0)
+    test = DriveTest(arm, name, record)
     as_recorded = test.rigid_cost(()) if wild else None
     if as_recorded is None:
         return set()
@@ -173,15 +176,15 @@ def refuted_drives(arm: Arm, name: str, record: Record) -> set[str]:
 
 def exchanged_drives(arm: Arm, name: str, record: Record) -> str | None:
     """Return a doubt about two drives with which the rigid arm moves as measured if exchanged, or None."""
-    before = _DriveTest(arm, name, record, None, 0.0).rigid_channels()
+    before = DriveTest(arm, name, record).rigid_channels()
     if not any(each.name or each.unexplained for each in before):
         return None
     found = []
     for one, other in combinations((record.signals[drive] for drive in record.drive), 2):
         if one.unit == other.unit:
             swapped = {one.name: one.replace(joint=other.joint), other.name: other.replace(joint=one.joint)}
-            test = _DriveTest(arm, name, record.replace(signals={**record.signals, **swapped}), None, 0.0)
-            after = test.rigid_channels()
+            exchanged = record.replace(signals={**record.signals, **swapped})
+            after = DriveTest(arm, name, exchanged).rigid_channels()
             if after and not any(each.name or each.unexplained for each in after):
                 found.append((total_cost(after), one.name, other.name))
     if not found or min(found)[0] > total_cost(before) - POLICY.decisive_log_odds:
@@ -190,29 +193,23 @@ def exchanged_drives(arm: Arm, name: str, record: Record) -> str | None:
     return f"{name}: the arm follows {' and '.join(drives)} far better exchanged: is each that of its joint?"
 
 
-def find_drive_fault(
-    arm: Arm, name: str, record: Record, channels: Sequence[ChannelFinding] | None, step: float, alpha: float
-) -> DriveFault | None:
-    """Return the best hypothesis on the drives of a record if it may compete with `channels`, else None.
-
-    `channels` are those along the drives as they are; None if the model cannot follow these.
-    """
-    test = _DriveTest(arm, name, record, channels, alpha)
+def find_drive_fault(test: DriveTest) -> DriveFault | None:
+    """Return the best hypothesis on the drives of a record if it may compete with its channels, else None."""
     best: _TestedHypothesis | None = None
-    for hypothesis in test.screened(drive_hypotheses(arm, record, channels)):
+    for hypothesis in test.screened(drive_hypotheses(test.arm, test.record, test.channels)):
         plain = best is not None and best.all_in_order and test.log_bayes(best) > POLICY.decisive_log_odds
         if plain and best is not None and not similar_factors(hypothesis, best.hypothesis):
             continue
-        if not allows(f"all wrong units and signs of the drives of {name} were tried"):
+        if not allows(f"all wrong units and signs of the drives of {test.name} were tried"):
             break
-        best = _choose(best, test.simulate(hypothesis, POLICY.coarse_step))
+        best = _choose(best, test.simulate(hypothesis))
     for _ in range(POLICY.max_corrections):
-        other = _corrected(arm, record, best)
-        trial = None if other is None else test.simulate(other, POLICY.coarse_step)
+        other = _corrected(test, best)
+        trial = None if other is None else test.simulate(other)
         if trial is None or _choose(best, trial, POLICY.clear_log_odds) is not trial:
             break
         best = trial
-    found = test.finding(best and test.simulate(best.hypothesis, step))
+    found = test.finding(best and test.simulate(best.hypothesis, test.step))
     return found if found is not None and found.log_bayes > -POLICY.clear_log_odds else None
 
 
@@ -227,19 +224,20 @@ def _choose(
     return other if other.cost < one.cost - by else one
 
 
-def _corrected(arm: Arm, record: Record, trial: _TestedHypothesis | None) -> Hypothesis | None:
+def _corrected(test: DriveTest, trial: _TestedHypothesis | None) -> Hypothesis | None:
     """Return the unit error of one drive with the factor (1), or None if its own is as good."""
     factors = unit_factors(trial.hypothesis) if trial is not None else {}
     if trial is None or len(factors) != 1:
         return None
     [(at, factor)] = factors.items()
-    gain = _mean_gain(arm, str(record.signals[at].joint), trial.channels)
+    gain = _mean_gain(test, at, trial.channels)
     return None if abs(log(gain)) < POLICY.factor_tolerance else (UnitError(at=at, factor=factor / gain),)
 
 
-def _mean_gain(arm: Arm, joint: str, found: Sequence[ChannelFinding]) -> float:
-    """Return the mean gain (1) of the channels that a joint moves, 1 if none is known."""
-    fits = [each.channel.fit() for each in found if is_moved_by(arm, joint, each.channel.signal)]
+def _mean_gain(test: DriveTest, drive: str, found: Sequence[ChannelFinding]) -> float:
+    """Return the mean gain (1) of the channels that a drive moves, 1 if none is known."""
+    joint = str(test.record.signals[drive].joint)
+    fits = [each.channel.fit() for each in found if is_moved_by(test.arm, joint, each.channel.signal)]
     known = [fit for fit in fits if fit.gain > POLICY.min_sigmas * fit.std]
     if not known:
         return 1.0
@@ -247,22 +245,13 @@ def _mean_gain(arm: Arm, joint: str, found: Sequence[ChannelFinding]) -> float:
     return exp(float(np.average([log(fit.gain) for fit in known], weights=weights)))  # eq. (1)
 
 
-def apply_known_fault(
-    arm: Arm,
-    name: str,
-    record: Record,
-    fault: DriveFault,
-    channels: Sequence[ChannelFinding],
-    step: float,
-    alpha: float,
-) -> DriveFault | None:
+def apply_known_fault(test: DriveTest, fault: DriveFault) -> DriveFault | None:
     """Return a drive's fault known from another record if it explains this one as well, else None."""
-    if not set(fault.values) <= set(record.drive):
+    if not set(fault.values) <= set(test.record.drive):
         return None
     effects: list[Any] = [
         read_effect({"name": fault.name, "at": at, **{key: value for key, (value, _, _) in values.items()}})
         for at, values in fault.values.items()
     ]
-    test = _DriveTest(arm, name, record, channels, alpha)
-    found = test.finding(test.simulate(tuple(effects), step))
+    found = test.finding(test.simulate(tuple(effects), test.step))
     return found if found is not None and found.log_bayes > 0 else None

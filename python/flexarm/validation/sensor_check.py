@@ -15,6 +15,8 @@ Source: docs/diagnosis.md.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from flexarm.arm import Arm
@@ -32,6 +34,7 @@ from flexarm.simulation import Progress, reported
 from flexarm.validation.channel import Channel, channels
 from flexarm.validation.clocks import remarks_on_clocks, remarks_on_late_signals, remarks_on_shared_clocks
 from flexarm.validation.drive_faults import (
+    DriveTest,
     apply_known_fault,
     exchanged_drives,
     find_drive_fault,
@@ -120,7 +123,8 @@ def _checked(
         for name, at in implausible.items()
         if at
     }
-    all_findings = []
+    tested = partial(DriveTest, arm, step=step, alpha=alpha)
+    all_findings: list[RecordFindings] = []
     seen: dict[str, list[Channel]] = {}
     remarks += [
         *remarks_on_stamps(named),
@@ -145,7 +149,7 @@ def _checked(
                 ).simulated
                 simulations[name] = simulated
                 seen[name] = channels(name, simulated, initial_alignment(simulated))
-        findings = _judge(arm, name, named[name], simulations.get(name), seen.get(name), step, alpha)
+        findings = _judge(tested(name, named[name]), simulations.get(name), seen.get(name))
         disturbed = any(each.name or each.unexplained for each in findings.channels)
         doubt = exchanged_drives(arm, name, named[name]) if disturbed and findings.drive is None else None
         if doubt is not None:
@@ -159,7 +163,7 @@ def _checked(
         report(0.5 + len(all_findings) / len(named) / 2)
     remarks += remarks_on_poses(named)
     faults = merge_findings(
-        [_reconsider(arm, findings, all_findings, named, step, alpha) for findings in all_findings]
+        [_reconsider(tested(v.record, named[v.record]), v, all_findings) for v in all_findings]
     )
     if not faults:
         remarks += [*remarks_on_clocks(simulations, seen), *remarks_on_frames(simulations)]
@@ -256,24 +260,17 @@ def _prepare(
     return record, removed, [*notes, *lost, *(f"{name}: {remark}" for remark in smoothed)]
 
 
-def _judge(
-    arm: Arm,
-    name: str,
-    record: Record,
-    simulated: SimulatedRecord | None,
-    seen: list[Channel] | None,
-    step: float,
-    alpha: float,
-) -> RecordFindings:
+def _judge(test: DriveTest, simulated: SimulatedRecord | None, seen: list[Channel] | None) -> RecordFindings:
     """Judge one record: its channels as recorded, or with a drive's fault if that explains more."""
+    arm, name, record = test.arm, test.name, test.record
     if simulated is None:
-        return RecordFindings(name, (), find_drive_fault(arm, name, record, None, step, alpha))
+        return RecordFindings(name, (), find_drive_fault(test))
     found = find_channel_faults(name, simulated, seen)
     if (stuck := stuck_drive(arm, record, found)) is not None:
         return RecordFindings(name, (), stuck)
     if not any(each.name or each.unexplained for each in found):
         return RecordFindings(name, found)
-    drive = find_drive_fault(arm, name, record, found, step, alpha)
+    drive = find_drive_fault(replace(test, channels=found))
     if drive is None:
         constant = constant_drive(arm, record, found)
         return RecordFindings(name, found if constant is None else (), constant)
@@ -283,22 +280,16 @@ def _judge(
 
 
 def _reconsider(
-    arm: Arm,
-    findings: RecordFindings,
-    all_of_them: Sequence[RecordFindings],
-    records: Mapping[str, Record],
-    step: float,
-    alpha: float,
+    test: DriveTest, findings: RecordFindings, all_of_them: Sequence[RecordFindings]
 ) -> RecordFindings:
     """Replace faults of channels by a fault of their drive that another record shows clearly."""
     sure = [v.drive for v in all_of_them if v.drive is not None and v.drive.channels and not v.ambiguous]
     if findings.drive is not None or not any(each.name for each in findings.channels):
         return findings
     for fault in sure:
-        name = findings.record
-        found = apply_known_fault(arm, name, records[name], fault, findings.channels, step, alpha)
+        found = apply_known_fault(replace(test, channels=findings.channels), fault)
         if found is not None:
-            return RecordFindings(name, found.channels, found)
+            return RecordFindings(test.name, found.channels, found)
     return findings
 
 
