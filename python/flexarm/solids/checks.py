@@ -158,8 +158,6 @@ def _more(count: int) -> str:
 
 #: A part beyond these sizes [m] is no robot's: it was probably drawn in millimetres, or taken for it.
 LARGEST, SMALLEST = 50.0, 1e-4
-#: A solid part heavier than this [kg] is no arm's: booms of the largest excavators have some tens of tonnes.
-#: Cells whose smallest det J is below this part of an ideal cell's are badly distorted.
 
 
 def validate(mesh: SolidMesh) -> Iterator[Problem]:
@@ -177,7 +175,7 @@ def refuse_implausible(mesh: SolidMesh) -> None:
 
     Raise InvalidParameter with size and mass, and how to insist.
     """
-    heaviest = 1e5
+    heaviest = 1e5  # [kg]: booms of the largest excavators have some tens of tonnes
     size = float((mesh.box[1] - mesh.box[0]).max())
     mass = float(_core.mass_properties(mesh.core())[0])
     if SMALLEST <= size <= LARGEST and mass <= heaviest:

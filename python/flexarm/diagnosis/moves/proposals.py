@@ -156,11 +156,9 @@ def fitted(
             break
         tell(f"proposal {number} of {len(wanted)}")
         near = criteria.early_stop([*before, *found], best, criteria.policy.halfway)
-        try:
+        with suppress(*FIT_ERRORS):
             members = (*map(_with_typical_damping, best.members), *share.members)
             found.append(estimator.trial(members, best, near))
-        except FIT_ERRORS:
-            continue
     return found
 
 
@@ -233,10 +231,8 @@ def shapes(state: SearchState, best: Fit, about: Estimator, found: Sequence[Fit]
             if not allows("all shapes of laws were fitted"):
                 return more
             limit = state.criteria.early_stop([best, *more], state.null, state.criteria.policy.halfway)
-            try:
+            with suppress(*FIT_ERRORS):
                 more.append(about.trial([*best.members[:k], shaped, *best.members[k + 1 :]], best, limit))
-            except FIT_ERRORS:
-                continue
     return more
 
 
