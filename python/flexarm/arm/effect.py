@@ -37,6 +37,18 @@ if TYPE_CHECKING:
 Derivative = Literal["smooth", "one-sided", "none"]
 
 
+class Search(NamedTuple):
+    """What a search for an effect starts from."""
+
+    arm: Arm
+    stated: Effect | None = None
+    """The effect as the model has it."""
+    frequencies: Sequence[float] = ()
+    """Of the gap [Hz]."""
+    softer: Sequence[float] = ()
+    """By how much softer springs than typical ones are tried."""
+
+
 class Trial(NamedTuple):
     """Values of parameters with which a search tries an effect."""
 
@@ -208,14 +220,8 @@ class Effect(EffectTraits):
         """Return the value of each parameter at which a model without the effect stays as it is."""
         return {name: 1.0 if name == "scale" else 0.0 for name, _, _ in self.parameters()}
 
-    def trials(
-        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
-    ) -> Iterable[Trial]:
-        """Return values that are tried one after the other, as a fit would not find them from one start.
-
-        `stated` is the effect as the model has it, `frequencies` [Hz] are those of the gap, and `softer` says
-        by how much softer springs than typical ones are tried.
-        """
+    def trials(self, search: Search) -> Iterable[Trial]:
+        """Return values that are tried one after the other, as a fit would not find them from one start."""
         return [Trial()]
 
     def probes(

@@ -25,7 +25,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import BeforeValidator, model_validator
 
 from flexarm.arm.arm import Arm
-from flexarm.arm.effect import Effect, Probes, Trial
+from flexarm.arm.effect import Effect, Probes, Search, Trial
 from flexarm.arm.joint_units import along, priors_in
 from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.arm.rotation import Vector
@@ -157,14 +157,12 @@ class SpringEffect(Effect):
         """Return the factor of (2)."""
         return max(1.0, carried_moment(arm) / self.usual_load)
 
-    def trials(
-        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
-    ) -> Iterator[Trial]:
+    def trials(self, search: Search) -> Iterator[Trial]:
         """Yield softer and softer springs, from the typical or the stated one on."""
-        start = dict.fromkeys(self.stiffnesses, self.first_stiffness(arm))
+        start, stated = dict.fromkeys(self.stiffnesses, self.first_stiffness(search.arm)), search.stated
         if isinstance(stated, SpringEffect) and not stated.inert:
             start = {key: k / self.least_softer for key, k in stated.stiffnesses.items()}
-        yield from (Trial(start={key: k / times for key, k in start.items()}) for times in softer)
+        yield from (Trial(start={key: k / times for key, k in start.items()}) for times in search.softer)
 
     def probes(
         self, stated: Effect | None, free: Sequence[str], null: Values, priors: Priors

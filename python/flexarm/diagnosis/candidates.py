@@ -19,7 +19,7 @@ import numpy as np
 
 from flexarm.arm import Arm
 from flexarm.arm.closure import loop_joints
-from flexarm.arm.effect import Effect, effect_class
+from flexarm.arm.effect import Effect, Search, effect_class
 from flexarm.arm.joint import coupled_joints
 from flexarm.arm.joint_units import priors_in
 from flexarm.arm.link import RigidLink
@@ -174,7 +174,7 @@ def candidates(
         if not kind.competes or (poses and kind.only_in_motion()):
             continue
         for at in places_of(kind, problem, arm):
-            found += _at_place(kind, at, problem, arm, rhythm, softer)
+            found += _at_place(kind, at, problem, Search(arm, None, rhythm, softer))
     if not poses:
         return found
     return [replace(c, free=tuple(k for k in c.free if k not in c.effect.in_motion)) for c in found]
@@ -186,19 +186,13 @@ def vibrations(problem: Problem, arm: Arm, rest: Floats) -> list[Candidate]:
     return [
         candidate
         for at in places_of(kind, problem, arm)
-        for candidate in _at_place(kind, at, problem, arm, rhythm, ())
+        for candidate in _at_place(kind, at, problem, Search(arm, None, rhythm))
     ]
 
 
-def _at_place(
-    kind: type[Effect],
-    at: str,
-    problem: Problem,
-    arm: Arm,
-    rhythm: Sequence[float],
-    softer: Sequence[float],
-) -> Iterator[Candidate]:
+def _at_place(kind: type[Effect], at: str, problem: Problem, search: Search) -> Iterator[Candidate]:
     """Variants of an effect at a place; none where the model refuses it."""
+    arm = search.arm
     without, stated = arm.effect(kind.name, at), _stated(kind, at, arm, problem)
     needs: Effect | None = None
     if kind.requires is not None:
@@ -210,7 +204,8 @@ def _at_place(
     forms: Sequence[Effect] = kind.variants(at, there, without)
     if without is not None and not kind.is_spring:
         forms = [without]
-    trials = ((form, *trial) for form in forms for trial in form.trials(without, arm, rhythm, softer))
+    search = search._replace(stated=without)
+    trials = ((form, *trial) for form in forms for trial in form.trials(search))
     for typical, start, fixed in trials:
         null = nulls(typical, without, arm)
         fixed = {**fixed, **{key: null[key] for key in unsought}}

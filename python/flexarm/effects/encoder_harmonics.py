@@ -8,11 +8,11 @@ An oval disc or a pair of misplaced reading heads err twice per turn, resolvers 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from math import pi
 
 from flexarm.arm.arm import Arm
-from flexarm.arm.effect import Effect, Trial
+from flexarm.arm.effect import Search, Trial
 from flexarm.arm.prior import Prior
 from flexarm.effects.periodic_encoder_error import PeriodicEncoderError
 from flexarm.tables import Number, value_in
@@ -41,9 +41,7 @@ class EncoderHarmonics(PeriodicEncoderError):
         """Return no amplitude, of the same order."""
         return {**super().null(arm), "order": self.order}
 
-    def trials(
-        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
-    ) -> Iterator[Trial]:
+    def trials(self, search: Search) -> Iterator[Trial]:
         """Yield the orders of oval and three-lobed discs."""
         yield from (Trial(fixed={"order": order}) for order in (2.0, 3.0))
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Self
 from pydantic import model_validator
 
 from flexarm.arm.closure import PINNED
-from flexarm.arm.effect import Derivative, Effect, Trial
+from flexarm.arm.effect import Derivative, Effect, Search, Trial
 from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.tables import Inconsistent, Number, value_in
@@ -75,9 +75,7 @@ class EndCushion(Effect):
         """Return "smooth": the torque is continuous in all of them."""
         return "smooth"
 
-    def trials(
-        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
-    ) -> Iterator[Trial]:
+    def trials(self, search: Search) -> Iterator[Trial]:
         """Yield ends as the drawing has them: a cushion wears or is screwed to another throttle."""
         yield Trial(fixed={name: value for name, value, _ in self.parameters() if name != "damping"})
 

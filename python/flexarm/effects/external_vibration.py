@@ -9,11 +9,11 @@ is without it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from math import hypot, pi
 from typing import TYPE_CHECKING, ClassVar
 
-from flexarm.arm.effect import Effect, Trial
+from flexarm.arm.effect import Search, Trial
 from flexarm.arm.prior import Prior
 from flexarm.arm.wave_effect import WaveEffect
 from flexarm.arm.weight import base_axis
@@ -57,11 +57,9 @@ class ExternalVibration(WaveEffect):
         """Add a moment, eq. (1)."""
         machine.base.vibration = (self.amplitude, self.frequency, self.phase)  # eq. (1)
 
-    def trials(
-        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
-    ) -> Iterator[Trial]:
+    def trials(self, search: Search) -> Iterator[Trial]:
         """Yield the frequencies at which the gap swings to start from."""
-        yield from (Trial(start={"frequency": frequency}) for frequency in frequencies)
+        yield from (Trial(start={"frequency": frequency}) for frequency in search.frequencies)
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """Machines and people nearby."""

@@ -9,10 +9,10 @@ A cycle of the deflection between -a and a, a much larger than w, takes 4 T_h (a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from flexarm.arm.effect import Effect, Trial
+from flexarm.arm.effect import Effect, Search, Trial
 from flexarm.arm.prior import Prior
 from flexarm.tables import Number, value_in
 
@@ -43,9 +43,7 @@ class JointHysteresis(Effect):
         """Put Dahl's law beside the reducer's spring, eq. (1)."""
         machine.drive_trains[self.at].hysteresis.append((self.torque, self.width))  # eq. (1)
 
-    def trials(
-        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
-    ) -> Iterator[Trial]:
+    def trials(self, search: Search) -> Iterator[Trial]:
         """Yield a narrow and a wide loop to start from."""
         yield from (Trial(start={"width": times * self.width}) for times in (1.0, 4.0))
 

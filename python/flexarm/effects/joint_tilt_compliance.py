@@ -12,7 +12,7 @@ leave the plane.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from math import inf
 from typing import TYPE_CHECKING, ClassVar
 
@@ -23,7 +23,7 @@ from flexarm.tables import value_in
 
 if TYPE_CHECKING:
     from flexarm.arm.arm import Arm
-    from flexarm.arm.effect import Effect, Trial
+    from flexarm.arm.effect import Search, Trial
     from flexarm.assembly.machine import Machine
 
 
@@ -49,11 +49,10 @@ class JointTiltCompliance(SpringEffect):
         axes = across(machine.axis_of(self.at))
         machine.mount(self.at, self.soft_about(axes))  # eq. (1)
 
-    def trials(
-        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
-    ) -> Iterator[Trial]:
+    def trials(self, search: Search) -> Iterator[Trial]:
         """Yield softer and softer bearings."""
-        return super().trials(stated, arm, frequencies, [s for s in softer if s < self.hardly_softer])
+        softer = [times for times in search.softer if times < self.hardly_softer]
+        return super().trials(search._replace(softer=softer))
 
     def priors(self, arm: Arm) -> dict[str, Prior]:
         """From small bearings to large slewing rings; damping in proportion to the stiffness."""

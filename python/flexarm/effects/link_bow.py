@@ -14,10 +14,10 @@ and the part along the link is a uniform stretch. To second order a bow also dra
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from flexarm.arm.effect import Derivative, Effect, Trial
+from flexarm.arm.effect import Derivative, Effect, Search, Trial
 from flexarm.arm.link import Beam
 from flexarm.arm.prior import Prior
 from flexarm.tables import Number, Vector3, value_in
@@ -49,14 +49,12 @@ class LinkBow(Effect):
         member = machine.links[self.at]
         member.bow, member.bow_time = self.tip_offset, self.time_constant  # eq. (1)
 
-    def trials(
-        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
-    ) -> Iterator[Trial]:
+    def trials(self, search: Search) -> Iterator[Trial]:
         """Yield a constant bow and growing ones to start from; what stretches the link is no bow.
 
         A bow that takes hours grows straight in a record.
         """
-        straight = {key: self.value_of(key) for key in self.along(arm)}
+        straight = {key: self.value_of(key) for key in self.along(search.arm)}
         yield Trial(fixed={"time_constant": 0.0, **straight})
         yield from (Trial({"time_constant": seconds}, straight) for seconds in (10.0, 100.0))
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar, Self
 
-from flexarm.arm.effect import Effect, Probes, Trial
+from flexarm.arm.effect import Effect, Probes, Search, Trial
 from flexarm.arm.joint_units import priors_in
 from flexarm.arm.prior import Prior, Priors, Values
 from flexarm.tables import Number, value_in
@@ -72,9 +72,7 @@ class OilColumn(Effect):
             damping=self.damping,
         )
 
-    def trials(
-        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
-    ) -> Iterator[Trial]:
+    def trials(self, search: Search) -> Iterator[Trial]:
         """Yield the cylinder as its drawing has it: air in the oil changes beta and c alone."""
         sought = ("bulk_modulus", "damping") if self.damping else ("bulk_modulus",)
         yield Trial(fixed={name: value for name, value, _ in self.parameters() if name not in sought})

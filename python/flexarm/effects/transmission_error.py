@@ -10,11 +10,11 @@ that gear.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from math import pi
 from typing import TYPE_CHECKING
 
-from flexarm.arm.effect import Effect, Trial
+from flexarm.arm.effect import Search, Trial
 from flexarm.arm.prior import Prior
 from flexarm.arm.wave_effect import WaveEffect
 from flexarm.tables import Number, value_in
@@ -54,9 +54,7 @@ class TransmissionError(WaveEffect):
                 f"{self.multiple:g} x {ratio:g} = {slope:.3g}: the output would turn back at times",
             )
 
-    def trials(
-        self, stated: Effect | None, arm: Arm, frequencies: Sequence[float], softer: Sequence[float]
-    ) -> Iterator[Trial]:
+    def trials(self, search: Search) -> Iterator[Trial]:
         """Yield periods a motor turn: of cycloidal and strain-wave reducers they are small whole numbers."""
         yield from (Trial(fixed={"multiple": float(multiple)}) for multiple in range(1, 5))
 

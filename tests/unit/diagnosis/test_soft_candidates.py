@@ -7,7 +7,7 @@ import pytest
 from arms import G, arm, compliance, crane, hinge, point, rigid, smooth_step, tracker
 
 from flexarm import Drive, Signal, simulate
-from flexarm.arm.effect import Probes
+from flexarm.arm.effect import Probes, Search
 from flexarm.diagnosis.candidates import candidates
 from flexarm.diagnosis.estimator import Estimator
 from flexarm.diagnosis.moves.search_state import vibrations_about
@@ -157,7 +157,7 @@ def test_springs_about_two_axes_act_as_others_and_others_as_they():
 def test_a_stated_spring_about_two_axes_is_probed_a_little_softer_about_each():
     stated = BaseCompliance(at="base", stiffness=(1e5, 3e5), damping=(100.0, 600.0))
     [form] = BaseCompliance.variants("base", carousel(), stated)
-    trial = next(iter(form.trials(stated, carousel(), (), (1.0,))))
+    trial = next(iter(form.trials(Search(carousel(), stated, softer=(1.0,)))))
     here = form.with_parameters(trial.start)
     null = dict((name, value) for name, value, _ in stated.parameters())
     probes = list(here.probes(stated, (), null, {}))
