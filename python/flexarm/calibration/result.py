@@ -18,8 +18,8 @@ from flexarm.errors import InvalidParameter
 from flexarm.output import SavedAsDirectory
 from flexarm.pictures import Summarised
 from flexarm.report import calibration as calibration_report
-from flexarm.report.before_after import BeforeAfter
 from flexarm.report.calibration import KIND, REPORT, CalibrationFile
+from flexarm.report.gap_figures import BeforeAfter
 from flexarm.report.storage import stored_parts, tuple_of
 
 if TYPE_CHECKING:

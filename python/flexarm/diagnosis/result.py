@@ -26,7 +26,7 @@ from flexarm.named_effects import NamedEffect, Nuisance, Refined, Rejected, Stag
 from flexarm.output import SavedAsDirectory, stems
 from flexarm.pictures import Summarised, viewed
 from flexarm.report import diagnosis as diagnosis_report
-from flexarm.report.before_after import BeforeAfter
+from flexarm.report.gap_figures import BeforeAfter
 from flexarm.report.report_file import report_dict
 from flexarm.report.sentences import contradicted_sentence
 from flexarm.report.storage import stored

@@ -2,42 +2,53 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from difflib import unified_diff
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from markupsafe import Markup
+
+from flexarm.arm.effect import effect_class
+from flexarm.budget import ended_early
 from flexarm.comparison.comparison import frame_words
 from flexarm.named_effects import NORMAL_90, Estimate, NamedEffect
 from flexarm.netcdf import save
 from flexarm.output import PAGE, write_file
-from flexarm.report.diagnosis_page import page
 from flexarm.report.evidence_figures import candidates, constancy, law_rows, laws, of_effect
 from flexarm.report.files import Drawing, drawn, filled, sheet, text_of, write_files
 from flexarm.report.gap_figures import by_band, gaps_along, waterfall
 from flexarm.report.report_file import provenance_of
 from flexarm.report.sentences import (
+    FITS_TOO,
     alternatives_sentence,
     gap_tables,
     headline,
     hold_out_sentence,
     nuisance_title,
     remarks_beside,
+    split_alternatives,
     stated_sentence,
     unpredicted_sentence,
     verdict_sentence,
 )
 from flexarm.report.state_figures import against_states, main_direction, rotations, shown_joints, states_drawn
 from flexarm.report.storage import GAPS, MODEL, REPORT, gap_contents
-from flexarm.wording import interval, listed
+from flexarm.tables import toml_text
+from flexarm.wording import effect_words, interval, listed, number, signed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from flexarm.diagnosis.result import Diagnosis
-    from flexarm.report.before_after import BeforeAfter
+    from flexarm.fit_statistics import FitStatistics
+    from flexarm.report.gap_figures import BeforeAfter
+
+Row = dict[str, Any]
 
 
 def write(diagnosis: Diagnosis, directory: Path, model: Path | None = None) -> None:
@@ -47,6 +58,114 @@ def write(diagnosis: Diagnosis, directory: Path, model: Path | None = None) -> N
     write_files(directory, drawn, (PAGE, page(diagnosis, drawn, report)), (REPORT, report))
     write_updated(diagnosis, directory / MODEL, model)
     save(gap_contents(diagnosis), directory / GAPS)
+
+
+def page(d: Diagnosis, drawings: Sequence[Drawing], report: Mapping[str, Any]) -> str:
+    """Return the page as HTML, with the figures as they were drawn and the provenance of `report.json`."""
+    filters: dict[str, Callable[..., Any]] = {
+        "breakable": lambda key: Markup("<wbr>").join(re.split(r"(?<=[._/])", key)),
+        "minus": _minus,
+    }
+    rotations = d.located.rotations if d.located is not None else None
+    return filled(
+        "diagnosis.html.j2",
+        filters,
+        **_told(d),
+        early=ended_early(d.remarks),
+        hold_out=hold_out_sentence(d) if d.training else "",
+        gaps=gap_tables(d),
+        # of a record whose name does not say so
+        role={name: "" if "held" in name else "held out" for name in d.held_out}
+        | dict.fromkeys(set(d.training) - set(d.held_out), "training"),
+        follows=[
+            {"signal": signal, "state": found.best, "share": f"{100 * found.share:.0f} %"}
+            for signal, found in (d.located.dependence if d.located is not None else {}).items()
+            if found.relevant
+        ],
+        rotations=rotations.joints if rotations is not None and len(rotations.joints) > 1 else (),
+        effects=[_effect(d, each) for each in d.effects],
+        refined=[each for each in d.refinements if each.determined or each.changed],
+        nuisances=list(_nuisance_rows(d)),
+        rejected=sorted(d.rejected, key=lambda each: -each.log_bayes_factor)[:12],
+        diff=list(_diff(d)),
+        channels=list(channel_rows(d.statistics)),
+        unseen=listed([effect_words(name) for name in d.statistics.unseen]),
+        drawn=drawings,
+        fits_too=FITS_TOO,
+        effect_law=effect_law,
+        provenance=report["provenance"],
+    )
+
+
+def _told(d: Diagnosis) -> Row:
+    """Return what the page and the text both tell."""
+    return {
+        "d": d,
+        "headline": headline(d),
+        "verdict": verdict_sentence(d),
+        "unpredicted": unpredicted_sentence(d),
+        "remarks": remarks_beside(d),
+        "laws": law_rows(d),
+        "undetermined": [r.refined.parameter for r in d.refinements if not (r.determined or r.changed)],
+        "stated": lambda effect: "" if d.verdict == "unusable" else stated_sentence(d, effect),
+    }
+
+
+def _effect(d: Diagnosis, effect: NamedEffect) -> Row:
+    near, far = split_alternatives(effect)
+    return {
+        "named": effect,
+        "evidence": effect.evidence[:1].upper() + effect.evidence[1:],
+        "parameters": [_parameter(each) for each in effect.parameters],
+        "near": near,
+        "far": far,
+    }
+
+
+def effect_law(name: str) -> str:
+    """Return what an effect is, in the first sentence of its documentation."""
+    return (effect_class(name).__doc__ or "").strip().split("\n")[0]
+
+
+def _parameter(estimate: Estimate) -> Row:
+    value, low, high, unit = (_minus(text) for text in interval(estimate))
+    return {"name": estimate.name, "value": value, "low": low, "high": high, "unit": unit or "–"}
+
+
+def _minus(text: str) -> str:
+    return text.replace("-", "−")
+
+
+def _nuisance_rows(d: Diagnosis) -> Iterator[Row]:
+    for nuisance in d.nuisances:
+        title = nuisance_title(d, nuisance)
+        for each in nuisance.parameters:
+            if each.name not in nuisance.undetermined:
+                yield {"title": title, **_parameter(each)}
+
+
+def _diff(d: Diagnosis) -> Iterator[Row]:
+    """Lines of the model file that changed, with three around them."""
+    old, new = (toml_text(arm.to_dict()).splitlines() for arm in (d.arm, d.updated))
+    for line in list(unified_diff(old, new, "nominal", "updated.toml", lineterm="", n=3))[2:]:
+        kind = {"+": "plus", "-": "minus", "@": "place"}.get(line[:1], "")
+        yield {"kind": kind, "text": "…" if kind == "place" else line}
+
+
+def channel_rows(statistics: FitStatistics) -> Iterator[dict[str, str]]:
+    """Return a row for each channel; one of several in a signal is named by its axis."""
+    several = {(c.record, c.signal) for c in statistics.channels if c.channel > 0}
+    for each in statistics.channels:
+        lag = each.autocorrelation
+        yield {
+            "record": each.record,
+            "signal": f"{each.signal} {each.axis}" if (each.record, each.signal) in several else each.signal,
+            "rows": str(each.rows),
+            "chi_square": number(each.chi_square, 2),
+            "autocorrelation": "–" if lag is None else _minus(signed(lag, 2)),
+            "discrepancy": number(each.discrepancy, 2) if each.discrepancy > 0 else "none",
+            "length": "–" if each.length is None else f"{number(each.length, 2)} s",
+        }
 
 
 def drawings(d: Diagnosis) -> list[Drawing]:
@@ -158,24 +277,16 @@ def _is_added(d: Diagnosis, effect: NamedEffect) -> bool:
 
 def summary(diagnosis: Diagnosis) -> str:
     """All that matters on one screen."""
-    d, refinements = diagnosis, diagnosis.refinements
+    d = diagnosis
     records = {name: name if "held" in name else f"{name} (held out)" for name in d.held_out}
     return text_of(
         "diagnosis.txt.j2",
-        d=d,
-        headline=headline(d),
-        verdict=verdict_sentence(d),
-        unpredicted=unpredicted_sentence(d),
-        laws=law_rows(d),
+        **_told(d),
         estimate=_estimate,
-        stated=lambda effect: "" if d.verdict == "unusable" else stated_sentence(d, effect),
-        refinements=refinements,
-        undetermined=[r.refined.parameter for r in refinements if not (r.determined or r.changed)],
         nuisance_title=partial(nuisance_title, d),
         frame_words=frame_words,
         gaps=gap_lines(d, records),
         hold_out=hold_out_sentence(d),
-        remarks=remarks_beside(d),
     )
 
 

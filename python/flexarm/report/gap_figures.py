@@ -1,16 +1,20 @@
-"""The main signal's gap: before and after along a record, by band of frequencies, and step by step."""
+"""The gap before and after a model is changed, along a record, by band of frequencies, and step by step."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexarm.arguments import NAMES, TEXT, takes
+from flexarm.arm import Arm
 from flexarm.arm.consistency import missing
 from flexarm.arrays import Floats
-from flexarm.comparison.pooled_gap import pooled
+from flexarm.comparison.comparison import Comparison
+from flexarm.comparison.pooled_gap import pooled, pooled_gap
 from flexarm.errors import InvalidParameter
+from flexarm.fit_statistics import PooledGap
 from flexarm.output import stems
 from flexarm.report.files import LEFT, legend_below, log_if_wide, margin_for, sheet, write_beside
 from flexarm.wording import labelled_scale, number
@@ -21,7 +25,6 @@ if TYPE_CHECKING:
 
     from flexarm.comparison.gap import SignalGap
     from flexarm.diagnosis.result import Diagnosis
-    from flexarm.report.before_after import BeforeAfter
 
 
 BEFORE, AFTER, NOISE = "#D55E00", "#0072B2", "#d9d9d9"
@@ -32,26 +35,73 @@ LOOKS: dict[str, dict[str, Any]] = {
 """Okabe and Ito's colours, told apart by everyone; markers differ too."""
 
 
-def plot(d: BeforeAfter, ax: Axes | None, record: str | None) -> Axes:
-    """Return what `BeforeAfter.plot` draws: the direction with the largest gap."""
-    import matplotlib.pyplot as plt
+class BeforeAfter:
+    """The gap of a nominal and of an updated model."""
 
-    there = [name for name in (*d.held_out, *d.training, *d.before) if name in d.before and sides(d, name)]
-    if not there or record not in (None, *there):
-        known = [name for name in d.before if name in there]
-        raise InvalidParameter(missing("compared record", str(record), known), where="record")
-    name = there[0] if record is None else record
-    gaps = sides(d, name)
-    before = gaps["nominal model"]
-    direction = worst(before)
-    axes = plt.subplots()[1] if ax is None else ax
-    factor, unit = labelled_scale([before.max[direction]], before.unit)
-    draw(axes, gaps, direction, factor)
-    axes.set(
-        xlabel=along(before), ylabel=f"{label(before, direction)} [{unit}]", title=f"{name}: measured − model"
-    )
-    axes.legend()
-    return axes
+    arm: Arm
+    updated: Arm
+    before: Mapping[str, Comparison]
+    after: Mapping[str, Comparison]
+    """By record, held-out ones too: the gap of either, aligned."""
+    training: tuple[str, ...]
+    held_out: tuple[str, ...]
+    main_signal: str
+    """The signal of the report's `gap`."""
+
+    @property
+    def unit(self) -> str:
+        """Unit of the main signal's gap; empty if nothing could be compared."""
+        return self.unit_of(self.main_signal)
+
+    def unit_of(self, signal: str) -> str:
+        """Return the unit of the gap of a signal; empty if it could not be compared."""
+        found = (comparison.signals.get(signal) for comparison in self.before.values())
+        return next((gap.unit for gap in found if gap is not None), "")
+
+    @property
+    def has_gap(self) -> bool:
+        """Return True if there is a gap to be shown: not where the data could not be compared at all."""
+        return bool(self.unit)
+
+    @takes(records=NAMES)
+    def gap(self, records: Iterable[str], signal: str | None = None) -> PooledGap:
+        """Return totals of a signal (default: the main one) before and after, pooled over records."""
+        return pooled_gap(self.before, self.after, records, self.main_signal if signal is None else signal)
+
+    @takes(record=TEXT)
+    def plot(self, ax: Axes | None = None, record: str | None = None) -> Axes:
+        """Return the main signal's gap before and after along a record, and the noise (2 sigma) as a band.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw.
+        record : str, optional
+            Which one; default: the first held-out one, or the first of training.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is no such record, or nothing in it was compared.
+        """
+        import matplotlib.pyplot as plt
+
+        names = (*self.held_out, *self.training, *self.before)
+        there = [name for name in names if name in self.before and sides(self, name)]
+        if not there or record not in (None, *there):
+            known = [name for name in self.before if name in there]
+            raise InvalidParameter(missing("compared record", str(record), known), where="record")
+        name = there[0] if record is None else record
+        gaps = sides(self, name)
+        before = gaps["nominal model"]
+        direction = worst(before)
+        axes = plt.subplots()[1] if ax is None else ax
+        factor, unit = labelled_scale([before.max[direction]], before.unit)
+        draw(axes, gaps, direction, factor)
+        axes.set(xlabel=along(before), ylabel=f"{label(before, direction)} [{unit}]")
+        axes.set_title(f"{name}: measured − model")
+        axes.legend()
+        return axes
 
 
 def sides(diagnosis: BeforeAfter, record: str) -> dict[str, SignalGap]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexarm.json_values import plain
-from flexarm.report.diagnosis_page import effect_law
+from flexarm.report.diagnosis import effect_law
 from flexarm.report.files import Drawing, drawn, filled, margin_for, sheet, text_of, write_files
 from flexarm.wording import listed, number, place_words, with_unit
 

@@ -21,7 +21,7 @@ from flexarm.report.sentences import remarks_beside, unpredicted_sentence
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis
     from flexarm.law_curve import LawCurve
-    from flexarm.report.before_after import BeforeAfter
+    from flexarm.report.gap_figures import BeforeAfter
 
 
 FORMAT = "flexarm-diagnosis/1"

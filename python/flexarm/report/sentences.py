@@ -28,7 +28,7 @@ from flexarm.wording import (
 if TYPE_CHECKING:
     from flexarm.diagnosis.result import Diagnosis, HeldOutGap
     from flexarm.named_effects import Alternative, NamedEffect, Nuisance
-    from flexarm.report.before_after import BeforeAfter
+    from flexarm.report.gap_figures import BeforeAfter
 
 
 @dataclass(frozen=True)

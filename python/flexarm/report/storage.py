@@ -40,7 +40,7 @@ from flexarm.tables.toml import read_text
 if TYPE_CHECKING:
     import xarray as xr
 
-    from flexarm.report.before_after import BeforeAfter
+    from flexarm.report.gap_figures import BeforeAfter
 
 
 REPORT, MODEL, GAPS = "report.json", "updated.toml", "gaps.nc"

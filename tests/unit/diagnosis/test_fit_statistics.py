@@ -5,8 +5,7 @@ import pytest
 
 import flexarm
 from flexarm.fit_statistics import FitStatistics
-from flexarm.report.diagnosis import sketch
-from flexarm.report.diagnosis_page import page
+from flexarm.report.diagnosis import page, sketch
 from flexarm.report.report_file import report_dict
 
 pytestmark = pytest.mark.slow

@@ -8,7 +8,7 @@ from planted import two_joints
 from posed import changed, posed, poses
 
 import flexarm
-from flexarm.report.diagnosis_page import page
+from flexarm.report.diagnosis import page
 from flexarm.report.sentences import changed_signals, gap_tables
 
 NOISE = 0.5

@@ -13,8 +13,7 @@ from planted import run_of
 import flexarm
 from flexarm.named_effects import NamedEffect
 from flexarm.output import stems
-from flexarm.report.diagnosis import _figures, write
-from flexarm.report.diagnosis_page import page
+from flexarm.report.diagnosis import _figures, page, write
 from flexarm.report.files import Drawing, style
 from flexarm.residual_analysis.localisation import localise
 
