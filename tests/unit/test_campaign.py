@@ -11,8 +11,8 @@ from flexarm import InvalidFile
 from flexarm.arm.parameter import with_value
 from flexarm.campaigns import run_study
 from flexarm.campaigns.plan import cut
+from flexarm.campaigns.run_study import seconds_of_a_run, task_size
 from flexarm.campaigns.store import Store
-from flexarm.campaigns.task_size import seconds_of_a_run, task_size
 from flexarm.effects.backlash import Backlash
 
 

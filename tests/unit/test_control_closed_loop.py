@@ -12,7 +12,7 @@ from pytest import approx
 
 from flexarm import Arm, Drive, InvalidParameter, NotConverged, Record, Signal, simulate
 from flexarm.control import simulate_closed_loop
-from flexarm.control.divergence import add_controller_states
+from flexarm.control.closed_loop import add_controller_states
 from flexarm.control.limits import limited_motors
 from flexarm.measurement.measure import measure
 

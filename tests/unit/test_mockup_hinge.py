@@ -13,7 +13,7 @@ from flexarm.arm.weight import weight_statement
 from flexarm.mockup import HingeDesign, SolidHinge, bench_arm, build_hinge, mock_up, model, solid_arm
 from flexarm.mockup.arms import shaft_stiffness
 from flexarm.mockup.design import PARTS, TUBE_RADIUS
-from flexarm.mockup.meshes import MESHERS
+from flexarm.mockup.hinge import MESHERS
 
 SHIPPED = Path(flexarm.mockup.__file__).with_name("hinge.toml")
 

@@ -25,7 +25,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 import flexarm
 from flexarm import _core as typed_core
 from flexarm.mockup import HingeDesign, SolidHinge, build_hinge, solid_arm
-from flexarm.mockup.meshes import MESHERS
+from flexarm.mockup.hinge import MESHERS
 
 core: Any = typed_core
 SEGMENTS = 8

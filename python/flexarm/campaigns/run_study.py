@@ -6,28 +6,30 @@ import json
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from flexarm.arguments import FLAG, PATH, TEXT, takes
+from flexarm.arm import Arm
 from flexarm.campaigns.campaign import FORMAT, STUDY, SUMMARY, Campaign, read_record
 from flexarm.campaigns.cases import label_names
 from flexarm.campaigns.engine import client_of, compute_here, compute_with, page_of
 from flexarm.campaigns.findings import findings_of
 from flexarm.campaigns.job import Row
-from flexarm.campaigns.outcome import Outcome
+from flexarm.campaigns.outcome import Outcome, Runner
 from flexarm.campaigns.plan import Plan, planned, refuse_other
-from flexarm.campaigns.progress import Tally, Tell, resumable
 from flexarm.campaigns.results import write_results
 from flexarm.campaigns.store import RESULTS, Store, refuse_gaps
-from flexarm.campaigns.task_size import alone, seconds_of_a_run, task_size
 from flexarm.configuration import config
 from flexarm.errors import InvalidFile, InvalidParameter
 from flexarm.output import growing_directory, writing
 from flexarm.reading import reading
 from flexarm.report.campaign import page, sentences, spreads
+from flexarm.termination import told_on_exit
 
 
 @takes(study=PATH, resume=FLAG, scheduler=TEXT)
@@ -241,3 +243,80 @@ def _finished(plan: Plan, store: Store, record: dict[str, Any]) -> Campaign:
 
 def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+TASK_SECONDS, FOR_EACH_WORKER = 2.0, 0.02
+"""Time that a task should take at least, and for each worker [s]: the engine needs 5 to 10 ms for one."""
+
+
+def seconds_of_a_run(runner: Runner, arm: Arm, nominal: float) -> float:
+    """Return the time of one run among others [s], given that of the nominal one, which loads libraries."""
+    found = nominal
+    for size in (1, runner.at_once):
+        if found * size > TASK_SECONDS:
+            break
+        began = time.perf_counter()
+        runner.outcomes([arm] * size, [0] * size)
+        found = min(found, (time.perf_counter() - began) / size)
+    return found
+
+
+def alone(jobs: int | None, seconds: float) -> bool:
+    """Return True if this process should compute alone: one job, or less work than a start of workers."""
+    start_seconds = 5.0  # work for which no workers are started [s]
+    return (jobs or os.cpu_count() or 1) == 1 or (jobs is None and seconds < start_seconds)
+
+
+def task_size(seconds: float, row_bytes: int, workers: int) -> int:
+    """Return the greatest number of runs in a task, given the time [s] and the size of one."""
+    task_bytes, task_runs = 2**25, 10_000  # what a task may return at most: bytes of rows, and rows
+    enough = int(max(TASK_SECONDS, FOR_EACH_WORKER * workers) / max(seconds, 1e-6))
+    return max(1, min(enough, task_bytes // row_bytes, task_runs))
+
+
+Tell = Callable[[float, str], object]
+
+
+@dataclass
+class Tally:
+    """How many runs are done, their rate, and the time left."""
+
+    count: int
+    before: int
+    tell: Tell
+    added: int = 0
+    began: float = field(default_factory=time.monotonic)
+
+    @property
+    def done(self) -> int:
+        """Number of runs that are done."""
+        return self.before + self.added
+
+    def add(self, more: int) -> None:
+        """Count more runs as done, and tell."""
+        self.added += more
+        rate = self.added / max(time.monotonic() - self.began, 1e-9)
+        left = (self.count - self.done) / rate
+        self.tell(self.done / self.count, f"{self.done}/{self.count} runs, {rate:.3g}/s, {_clock(left)} left")
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
+
+
+@contextmanager
+def resumable(store: Store, tally: Tally) -> Iterator[None]:
+    """Say what is kept, if the process leaves within the block or cannot write a file."""
+
+    def kept() -> str:
+        return f"{tally.done} of {tally.count} runs are kept in {store.directory}; --resume goes on"
+
+    with told_on_exit(kept):
+        try:
+            yield
+        except InvalidFile as error:
+            if error.where != "output":
+                raise
+            raise InvalidFile(error.file, "output", f"{error.problems[0].what}; {kept()}") from None

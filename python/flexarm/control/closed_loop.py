@@ -6,8 +6,9 @@ finite elements go on in equal steps. Samples of all controllers fall on a commo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import ceil, isclose, pi
 from time import perf_counter
 
 import numpy as np
@@ -15,14 +16,14 @@ import numpy as np
 from flexarm import _core
 from flexarm.arm import Arm
 from flexarm.arm.controller import Controller
+from flexarm.arm.joint import shaft_ratio
 from flexarm.arm.parameter import Parameter, parameters
+from flexarm.arm.sizes import LONGEST
 from flexarm.arrays import Floats, read_only
 from flexarm.control.back_emf import without_losses
 from flexarm.control.controlled import ControlledArm
 from flexarm.control.differentiated import Differentiation, commanded_at
-from flexarm.control.divergence import add_controller_states, require_stable
 from flexarm.control.dual import Real, slopes_of, value_of
-from flexarm.control.grid import SampleGrid
 from flexarm.control.loop import ControlLoop
 from flexarm.control.plant import Plant
 from flexarm.drive import Drive
@@ -214,3 +215,95 @@ def _finished(
     return replace(
         run, joint_command=read_only(command), motor_voltage=read_only(grid.held(voltage, len(run.time)))
     )
+
+
+@dataclass(frozen=True)
+class SampleGrid:
+    """The sample instants of controllers, and the equal steps in between."""
+
+    tick: float
+    """Shortest sample time [s]."""
+    every: Mapping[str, int]
+    """Ticks from sample to sample, by joint."""
+    substeps: int
+    """Steps in a tick."""
+
+    @classmethod
+    def of(cls, controllers: Mapping[str, Controller], longest: float) -> SampleGrid:
+        """Return the grid of some controllers; its step is the largest part of a tick up to `longest` [s].
+
+        Raise InvalidParameter if the sample times have no common grid.
+        """
+        tick = min(controller.sample_time for controller in controllers.values())
+        every = {name: _multiple(controller, tick) for name, controller in controllers.items()}
+        return cls(tick, every, max(1, ceil(tick / longest - 1e-9)))
+
+    @property
+    def step(self) -> float:
+        """Time step [s]."""
+        return self.tick / self.substeps
+
+    def times(self, options: _core.TransientOptions) -> Floats:
+        """Return when ticks of a run begin [s], a little late so that a change at a tick counts."""
+        count = ceil((options.end - options.start) / self.tick - 1e-9)
+        return options.start + self.tick * (np.arange(count, dtype=np.float64) + 1e-6)
+
+    def held(self, ticks: Floats, count: int) -> Floats:
+        """Repeat values held over ticks, shape (tick, ...), at the first `count` instants of the run."""
+        return np.concatenate([np.repeat(ticks, self.substeps, axis=0), ticks[-1:]])[:count]
+
+
+def _multiple(controller: Controller, tick: float) -> int:
+    ratio = controller.sample_time / tick
+    if not isclose(ratio, round(ratio), rel_tol=1e-9):
+        what = f"must be a multiple of the shortest sample time, {tick:g} s, got {controller.sample_time:g} s"
+        raise InvalidParameter(what, where=f"controllers.{controller.joint}.sample_time")
+    return round(ratio)
+
+
+def require_stable(
+    arm: Arm,
+    loops: Mapping[str, ControlLoop],
+    plant: Plant,
+    commanded: Mapping[str, float],
+    ranges: Mapping[str, float],
+) -> None:
+    """Raise NotConverged if a motor deviates from its command by more than the command range plus one turn.
+
+    A slide has `LONGEST` instead of the turn.
+    """
+    for name, error, unit in _errors(arm, loops, plant, commanded):
+        limit = ranges[name] + (LONGEST if unit == "m" else 2 * pi * shaft_ratio(name, arm.gears))
+        if not abs(error) <= limit:  # also NaN
+            raise NotConverged(
+                f"the controller of joint {name!r} diverges: at t = {plant.time:.6g} s its motor stands "
+                f"{abs(error):.3g} {unit} from its command, allowed are {limit:.3g} {unit}; are its gains "
+                "and sample time those of the machine, and is the torque enough?",
+                time=plant.time,
+            )
+
+
+def add_controller_states(
+    failure: NotConverged,
+    arm: Arm,
+    loops: Mapping[str, ControlLoop],
+    plant: Plant,
+    commanded: Mapping[str, float],
+) -> NotConverged:
+    """Return a failure of the time step that says what the controllers did then."""
+    states = [
+        f"the motor of {name!r} is {abs(error):.2g} {unit} from its command and moves at "
+        f"{value_of(plant.rate(loops[name].joint, output=False)):.3g} {unit}/s"
+        for name, error, unit in _errors(arm, loops, plant, commanded)
+    ]
+    what = f"{failure}; under its controller {', '.join(states)}"
+    return NotConverged(what, time=failure.time, iteration=failure.iteration, residual=failure.residual)
+
+
+def _errors(
+    arm: Arm, loops: Mapping[str, ControlLoop], plant: Plant, commanded: Mapping[str, float]
+) -> Iterator[tuple[str, float, str]]:
+    """Yield joint, command minus motor angle (output-referred), and unit."""
+    for name, loop in loops.items():
+        error = commanded[name] - value_of(plant.angle(loop.joint, output=False))
+        yield name, error, "m" if arm.joint(name).type == "prismatic" else "rad"

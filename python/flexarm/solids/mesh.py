@@ -14,6 +14,7 @@ from flexarm.arguments import ARRAY, GROUPS, INDICES, MATERIAL, MATERIALS, NUMBE
 from flexarm.arrays import Floats, Ints
 from flexarm.errors import InvalidFile, InvalidParameter, Problem
 from flexarm.material import Material
+from flexarm.output import output_file
 from flexarm.solids.assigned import known_names
 from flexarm.solids.cell_types import CELL_TYPES
 
@@ -257,10 +258,35 @@ class SolidMesh:
 
     @takes()
     def save(self, path: str | Path, *, force: bool = False) -> Path:
-        """Write points, cells, groups and sets as VTU (ParaView opens it; `read_mesh` reads it back)."""
-        from flexarm.solids.saving import save
+        """Write points, cells, groups and sets as VTU (ParaView opens it; `read_mesh` reads it back).
 
-        return save(self, Path(path), force=force)
+        Sets and groups are masks on points and cells. Materials are not written: VTU has none.
+        """
+        import meshlane
+
+        file, kinds = Path(path), list(self.cells)
+        if file.suffix.lower() != ".vtu":
+            raise InvalidParameter(f"must end in .vtu, got {file.name!r}", where="path")
+        if file.exists() and not force:
+            raise InvalidParameter(f"{file} exists; force = True replaces it", where="path")
+        written = meshlane.Mesh(
+            self.points,
+            [(CELL_TYPES[kind].meshio, self.cells[kind]) for kind in kinds],
+            point_data={name: _mask(self.n_points, points) for name, points in self.point_sets.items()},
+            cell_data={
+                name: [_mask(len(self.cells[kind]), group.get(kind, np.empty(0, int))) for kind in kinds]
+                for name, group in self.cell_groups.items()
+            },
+        )
+        with output_file(file) as partial:
+            meshlane.vtu.write(str(partial), written)
+        return file
+
+
+def _mask(n: int, indices: Ints) -> NDArray[np.int8]:
+    mask = np.zeros(n, dtype=np.int8)
+    mask[indices] = 1
+    return mask
 
 
 def _frozen(values: ArrayLike, kind: Any) -> NDArray[Any]:
