@@ -15,7 +15,7 @@ from functools import cache
 import numpy as np
 
 from flexarm import Arm, Simulation, modes, simulate
-from flexarm.comparison.directions import joint_directions
+from flexarm.comparison.gap import joint_directions
 from flexarm.measurement.clocks import ClockError
 from flexarm.measurement.frames import Registration
 from flexarm.measurement.measure import measure

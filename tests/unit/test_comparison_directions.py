@@ -5,7 +5,7 @@ import pytest
 
 from flexarm.arm import Arm
 from flexarm.arm.kinematics import link_pose
-from flexarm.comparison.directions import base_directions, joint_directions, project
+from flexarm.comparison.gap import base_directions, joint_directions, project
 from flexarm.measurement import Registration
 
 SECTION = {"shape": "tube", "outer_diameter": 0.06, "thickness": 0.003}

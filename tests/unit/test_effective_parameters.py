@@ -9,7 +9,7 @@ from tests.helpers.posed import changed, posed, poses
 
 import flexarm
 from flexarm.cli.run import run
-from flexarm.comparison.effective_parameters import EffectiveParameters
+from flexarm.comparison.align import EffectiveParameters
 from flexarm.effects import JointCompliance
 from flexarm.record import Frame
 

@@ -11,6 +11,14 @@ then more than `KEPT` of the prior's, or infinite without a prior.
 
 A gap much larger than the noise outweighs the priors. Any part of it that looks like a shift in time or space
 is then aligned away. `compare(..., align=False)` shows the gap without that.
+
+Whitened readings with the Jacobian J with respect to the alignment parameters, and their priors, determine
+the parameter i by the share
+
+    R_ii,   R = (J^T J + diag(1/sigma^2))^-1 J^T J                                                     (2)
+
+which is 0 where its prior holds it and 1 where the readings do [MacKay1992]. With p the sum of (2) over the
+parameters of one clock or frame, N readings that are noise leave sqrt(1 - p/N) of themselves.
 """
 
 from __future__ import annotations
@@ -28,7 +36,6 @@ from flexarm.comparison.alignment_parameters import (
     has_noise,
     move_placement,
 )
-from flexarm.comparison.effective_parameters import EffectiveParameters
 from flexarm.comparison.pose_outliers import pose_outliers
 from flexarm.comparison.simulated_record import Placement, SimulatedRecord
 from flexarm.measurement.outliers import SMOOTH, outliers
@@ -38,6 +45,37 @@ KEPT = 0.9
 """Share of a prior's sigma that is left where the data say nothing."""
 FIRM = 1e-12
 """Share of the greatest square below which the rows determine nothing."""
+
+
+@dataclass(frozen=True)
+class EffectiveParameters:
+    """Hold the effective parameters of a clock or frame."""
+
+    name: str
+    """Of the clock or frame."""
+    count: float
+    """p of (2)."""
+    readings: int
+    """Values of its signals that counted."""
+    signals: tuple[str, ...]
+
+    @property
+    def overfitted(self) -> bool:
+        """Return True if so few readings were aligned that their residual says little of a model."""
+        rounding = 1e-6  # of p
+        # Readings for each aligned value below which that is said: a fifth of the noise is then aligned
+        # away.
+        few = 3.0
+        return self.readings < few * self.count * (1 - rounding)
+
+    def __str__(self) -> str:
+        left = max(0.0, 1.0 - self.count / self.readings) ** 0.5 if self.readings else 0.0
+        values = f"{self.count:.2g} value{'s' * (self.count > 1)}"
+        return (
+            f"{self.readings} readings of {', '.join(self.signals)} are few for the {values} of {self.name} "
+            f"that were aligned to them: of noise {100 * left:.0f} % would be left, and a gap may be "
+            "aligned away"
+        )
 
 
 @dataclass(frozen=True)
