@@ -3,7 +3,7 @@
     1. names     what each column is, of which joint or point                       (`words`)
     2. stamps    the column that rises, its unit by name or size                    (`logged`)
     3. units     of angles those for which the model's points move as far as measured (`motion`)
-    4. signs     and counts per turn, with which the model comes nearest to a point  (`registration`)
+    4. signs     and counts per turn, with which the model comes nearest to a point  (`signs`)
     5. clocks    one a file, frames known where the coordinates are the base's
 
 What none of this tells is written as `# unknown:`, and a signal that cannot be read so is commented out.
