@@ -15,7 +15,8 @@ under a linear law. Over each few periods
 
 .. math:: y(t) = c_0 + c_1 t + A e^{-\zeta \omega t} \cos(\omega t + \varphi)                          (2)
 
-is fitted by least squares. Under a linear law omega and zeta are the same in every segment. A dry friction
+is fitted by least squares, beside sines of the record's other spectral lines whose amplitude goes linearly
+with time. Under a linear law omega and zeta are the same in every segment. A dry friction
 that holds F of a spring k takes 4 F/k from the amplitude in each period, so that
 
 .. math:: \zeta(A) = \frac{2}{\pi} \frac{F}{k A}                                                      (3)
@@ -306,28 +307,57 @@ def decay_segments(time: Floats, values: Floats) -> Iterator[DecaySegment]:
     frequencies, powers = periodogram(time, values - trend, highest=highest)
     inside = frequencies >= lowest
     start, guess = float(time[0]), float(frequencies[inside][np.argmax(powers[inside])])
+    others = _other_lines(frequencies[inside], powers[inside], guess)
     while True:
         end = start + POLICY.decay_periods / guess
         rows = (time >= start) & (time < end)
         if time[-1] < end or np.count_nonzero(rows) < POLICY.decay_periods * POLICY.decay_samples:
             return
-        piece, std = fitted_segment(time[rows], values[rows], guess)
+        piece, std = fitted_segment(time[rows], values[rows], guess, others)
         if piece is None or piece.amplitude < POLICY.decay_amplitude * std:
             return
         yield piece
         start, guess = end, piece.frequency_hz
 
 
-def fitted_segment(time: Floats, values: Floats, frequency: float) -> tuple[DecaySegment | None, float]:
-    """Return (2) fitted from a guess of the frequency (None if not found), and 1 sigma of its amplitude."""
+def _other_lines(frequencies: Floats, powers: Floats, first: float) -> list[float]:
+    """Return the strongest spectral lines but the first one [Hz], at most three: other modes.
+
+    They stand out of what lies between, which for a side lobe of the first line is much.
+    """
+    wide = 1.5  # least ratio of two lines; a mode whose frequency moves has a wide one
+    found: list[float] = []
+    peaks = 1 + np.flatnonzero((powers[1:-1] > powers[:-2]) & (powers[1:-1] > powers[2:]))
+    for k in peaks[np.argsort(-powers[peaks])]:
+        f = float(frequencies[k])
+        if powers[k] < POLICY.peak_over_median * np.median(powers) or len(found) == 3:
+            break
+        around = powers[(frequencies > f / wide) & (frequencies < f * wide)]
+        if powers[k] == around.max() and abs(np.log(f / first)) > np.log(wide):
+            between = powers[(frequencies > min(f, first)) & (frequencies < max(f, first))]
+            if powers[k] > POLICY.peak_over_median * np.median(between):
+                found.append(f)
+    return found
+
+
+def fitted_segment(
+    time: Floats, values: Floats, frequency: float, others: Sequence[float] = ()
+) -> tuple[DecaySegment | None, float]:
+    """Return (2) fitted from a guess of the frequency (None if not found), and 1 sigma of its amplitude.
+
+    `others` are frequencies of further lines [Hz].
+    """
     from scipy.optimize import least_squares
 
     middle = float((time[0] + time[-1]) / 2)
     t = time - middle
+    turns = 2 * np.pi * np.outer(t, others)
+    sines = np.column_stack([np.cos(turns), np.sin(turns)])
+    beside = np.column_stack([np.ones_like(t), t, sines, t[:, None] * sines])
 
     def columns(x: Floats) -> Floats:
         fades = np.exp(-x[1] * t)
-        return np.stack([np.ones_like(t), t, fades * np.cos(x[0] * t), fades * np.sin(x[0] * t)], axis=1)
+        return np.column_stack([fades * np.cos(x[0] * t), fades * np.sin(x[0] * t), beside])
 
     def residual(x: Floats) -> Floats:
         a = columns(x)
@@ -339,8 +369,8 @@ def fitted_segment(time: Floats, values: Floats, frequency: float) -> tuple[Deca
     if not found.success or np.any(found.active_mask != 0):
         return None, 0.0
     w, rate = (float(x) for x in found.x)
-    cosine, sine = np.linalg.lstsq(columns(found.x), values, rcond=None)[0][2:]
-    variance = float(found.fun @ found.fun) / max(len(t) - 6, 1)
+    cosine, sine = np.linalg.lstsq(columns(found.x), values, rcond=None)[0][:2]
+    variance = float(found.fun @ found.fun) / max(len(t) - 4 - beside.shape[1], 1)
     std = np.sqrt(np.diag(np.linalg.pinv(found.jac.T @ found.jac)) * variance)
     errors = max(float(std[0]), 1e-12 * w), max(float(std[1]), 1e-12 * w)  # data may be exact
     amplitude = float(np.hypot(cosine, sine))

@@ -11,6 +11,7 @@ from flexarm.residual_analysis.policy import POLICY
 from flexarm.residual_analysis.residual_parts import ResidualPart, SignalResidual
 from flexarm.residual_analysis.unexplained import (
     DecaySegment,
+    FreeDecay,
     decay_segments,
     describe_free_decays,
     fitted_segment,
@@ -68,6 +69,18 @@ def test_a_linear_law_has_one_frequency_and_one_damping():
         assert abs(piece.frequency_hz - 2.2) < 4 * piece.frequency_std
         assert abs(piece.damping_ratio - zeta) < 4 * piece.damping_std
         assert piece.amplitude == pytest.approx(np.exp(-zeta * OMEGA * piece.time), rel=0.03)
+
+
+def test_a_second_mode_beside_the_strongest_is_no_change_of_damping():
+    """Both decay at constant rates; a third of the amplitude swings 2.7 times as fast."""
+    time, zeta = stamps(9.0), 0.01
+    x, y = (np.exp(-zeta * w * time) * np.cos(w * time + 0.7) for w in (OMEGA, 2.7 * OMEGA))
+    pieces = tuple(decay_segments(time, x + y / 3 + 0.003 * RNG.normal(size=len(time))))
+    assert len(pieces) >= 4
+    for piece in pieces:
+        assert piece.damping_ratio == pytest.approx(zeta, abs=1.5e-3)
+    decay = FreeDecay("tap", "tip", "m", pieces)
+    assert not (decay.damping_moves or decay.frequency_moves)
 
 
 def test_stated_errors_are_those_of_repeated_measurements():
