@@ -114,6 +114,11 @@ class Candidate:
         """Return True if a parameter is the size of the effect."""
         return name == self.free[0]
 
+    def vanishes_with(self, name: str) -> bool:
+        """Return True if the effect of a parameter is none where it is 0, and grows with it."""
+        of_law = name not in self.effect.shape and not self.effect.is_spring
+        return of_law and self.null.get(name, 1.0) == 0.0
+
     def with_separate_sizes(self) -> Candidate:
         """Return the same with a size for each of its places."""
         return self

@@ -21,7 +21,10 @@ residuals, and transforms A and S of a and of that surrogate in a channel of n s
 
 .. math:: \sum_\text{channels} \frac{1}{n^2} \sum_f |A_f|^2 |S_f|^2                                   (3)
 
-Intervals are those of a normal distribution of p, mapped to the parameters' own scales.
+Intervals are those of a normal distribution of p, mapped to the parameters' own scales. The logarithm of a
+size that may be none has no lower end, and its curvature there tells nothing of the upper one. Residuals
+depend on the size itself linearly. Where its normal distribution by data, without its own prior, holds none,
+the upper end of that one holds.
 
 **Refined values.** Nominal values move by
 
@@ -80,15 +83,29 @@ class Estimates:
 
 def estimates(fit: Fit, problem: Problem, input_errors: Floats | None = None) -> Estimates:
     """Return values and intervals of a fit, by (1) to (3); input_errors: e of (2), shape (draws, n)."""
-    return estimates_at(fit, deviations(fit, problem, input_errors=input_errors))
+    sigma = deviations(fit, problem, input_errors=input_errors)
+    return estimates_at(fit, sigma, data_deviations(fit, problem))
 
 
-def estimates_at(fit: Fit, sigma: Floats) -> Estimates:
-    """Return values of a fit, and intervals for standard deviations of z and x, shape (k + m,)."""
+def estimates_at(fit: Fit, sigma: Floats, by_data: Floats | None = None) -> Estimates:
+    """Return values of a fit, and intervals for standard deviations of z and x, shape (k + m,).
+
+    `by_data` are those of z without their own priors, shape (k,).
+    """
     k = len(fit.z)
-    return Estimates(
-        [_of_effect(fit, i, sigma[:k]) for i in range(len(fit.members))], *_of_unknowns(fit, sigma[k:])
-    )
+    by_data = np.full(k, np.inf) if by_data is None else by_data
+    effects = [_of_effect(fit, i, sigma[:k], by_data) for i in range(len(fit.members))]
+    return Estimates(effects, *_of_unknowns(fit, sigma[k:]))
+
+
+def data_deviations(fit: Fit, problem: Problem) -> Floats:
+    """Return the standard deviations that data leave of each z without its own prior, shape (k,)."""
+    jacobian, _, prior = joint_jacobian(fit)
+    variance = np.diag(NormalEquations.of(jacobian, prior).inverse())
+    scattered = evidence_of(fit, problem).covariance_times(jacobian, problem)
+    wider = np.sum(jacobian * scattered, axis=0) / np.maximum(np.sum(jacobian**2, axis=0), 1e-300)
+    told = np.maximum(1.0 - prior * variance, 1e-12)
+    return np.asarray(np.sqrt(wider * variance / told)[: len(fit.z)])
 
 
 def deviations(
@@ -129,7 +146,7 @@ def surrogates(problem: Problem, jacobian: Floats, depends: Floats, size: Floats
     return np.sqrt(variance)
 
 
-def _of_effect(fit: Fit, i: int, sigma: Floats) -> tuple[Estimate, ...]:
+def _of_effect(fit: Fit, i: int, sigma: Floats, by_data: Floats) -> tuple[Estimate, ...]:
     member = fit.members[i]
     places = {c.name: j for j, c in enumerate(fit.parameters) if c.candidate == i}
     found = []
@@ -141,6 +158,9 @@ def _of_effect(fit: Fit, i: int, sigma: Floats) -> tuple[Estimate, ...]:
         reach = max(parameter.bound, abs(z))
         ends = (float(np.clip(z + side * NORMAL_90 * sigma[j], -reach, reach)) for side in (-1, 1))
         low, high = sorted(parameter.value(end) for end in ends)
+        either_way = NORMAL_90 * abs(parameter.slope(z)) * float(by_data[j])
+        if parameter.prior.scale == "log" and member.vanishes_with(name) and either_way > value:
+            high = min(high, value + either_way)
         own = parameter.prior.unit if unit == "SI" else unit  # the unit of the signal
         turns = whole_turns(value) if name == "phase" else 0.0
         std = (high - low) / (2 * NORMAL_90)

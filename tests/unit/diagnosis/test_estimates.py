@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import diagnoses
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 from flexarm.arm.prior import Prior
 from flexarm.diagnosis.candidate import Candidate, TransformedParameter
@@ -16,7 +17,7 @@ from flexarm.diagnosis.nuisance import nuisance_model
 from flexarm.diagnosis.policy import SelectionPolicy
 from flexarm.diagnosis.problem import Problem
 from flexarm.diagnosis.uncertainty import deviations, estimates, surrogates, whole_turns
-from flexarm.effects import PayloadMass
+from flexarm.effects import PayloadMass, ViscousFriction
 from flexarm.named_effects import NORMAL_90
 
 RNG = np.random.default_rng(11)
@@ -192,3 +193,30 @@ def test_what_a_planar_swing_does_not_show_of_a_frame_is_told_as_undetermined():
         "time_delay": (),
         "frame_registration": ("translation.y", "rotation.x", "rotation.z"),
     }
+
+
+def test_a_size_that_may_be_none_has_the_upper_end_that_data_leave():
+    """Friction c v of c = 0: residuals tell c to 1/|v|, whatever the range of its logarithm."""
+    prior = Prior(0.2, 300.0, 8.0, "log", "N m s/rad", "a test")
+    rate = 3.0 * np.sin(TIME)
+    noise = RNG.normal(size=N)
+    parameter = TransformedParameter(0, "coefficient", prior)
+
+    def cost(z):
+        return float(np.sum((noise + rate * parameter.value(z)) ** 2) + z**2)
+
+    z = minimize_scalar(cost, bounds=(-6.0, 0.0), method="bounded").x
+    c = parameter.value(z)
+    member = Candidate(ViscousFriction(at="hinge", coefficient=c), ("coefficient",), (), {"coefficient": 0.0})
+    fit = replace(
+        fitted(noise, rate),
+        members=(member,),
+        parameters=(parameter,),
+        z=np.array([z]),
+        residual=noise + rate * c,
+        projected=noise + rate * c,
+        jacobian=(parameter.slope(z) * rate)[:, None],
+    )
+    [[found]] = estimates(fit, problem()).effects
+    assert c < found.high90 < c + 1.3 * NORMAL_90 / np.linalg.norm(rate)
+    assert parameter.value(z + NORMAL_90) > 2 * found.high90
