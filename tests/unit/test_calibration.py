@@ -366,12 +366,15 @@ def test_the_prior_of_an_unknown_clock_lies_about_its_first_guess():
 
 
 def test_estimates_follow_a_curved_valley_to_its_end():
-    """Stiffness and modulus share a compliance: without noise both come out true, far within a sigma."""
+    """Stiffness and modulus share a compliance: without noise both come out true, far within a sigma.
+
+    The drive is smoothed by its stated noise, and errs by a part of that.
+    """
     arm, swing = swing_on_a_soft_hinge(1, exact=True)
     found = flexarm.calibrate(arm, {"swing": swing}, ["joint_compliance"], n_jobs=1)
     for name, value in (("stiffness", 6e4), ("damping", 150.0)):
         estimate = found.parameter(f"effects.joint_compliance.hinge.{name}")
-        assert abs(estimate.value - value) < 0.2 * estimate.std
+        assert abs(estimate.value - value) < 0.3 * estimate.std
 
 
 def counted_swing(arm: Arm, seed: int) -> Record:
