@@ -9,7 +9,7 @@ from arms import compliance, smooth_step, waist_and_elbow
 import flexarm
 from flexarm.measurement import ClockError, Registration
 from flexarm.record import Clock, Frame
-from flexarm.validation.sensor_check import check
+from flexarm.validation.sensor_check import check, clean_records
 
 FAR = Registration(origin=(4.0, 1.0, 0.5), rpy=(0.0, 0.0, 2.0))
 
@@ -54,6 +54,32 @@ def test_two_stations_under_one_name_are_told_with_their_difference():
     told = re.search(r"stands ([0-9.]+) mrad apart", remark)
     assert told and float(told[1]) == pytest.approx(34, abs=1.5)
     assert "one pose for both leaves" in remark
+
+
+def test_what_nobody_knows_and_records_do_not_share_is_fitted_by_itself():
+    """Two stations and two starts of a tracker under one name each; a third record is as the first."""
+    moved = Registration(origin=(3.5, 1.0, 0.5), rpy=(0.0, 0.0, 1.0))
+    unknown = {"robot": Clock(), "tracker": Clock(unknown=True)}
+    records = {
+        name: swing(arm(*SOFT), far, seed, delay).replace(clocks=unknown)
+        for name, far, seed, delay in (("a", FAR, 1, 0.01), ("b", moved, 2, 0.04), ("c", FAR, 3, 0.01))
+    }
+    for found in (check(arm(*SOFT), records), clean_records(arm(*SOFT), records)):
+        for name, place in (("a", "tracker"), ("b", "tracker-2"), ("c", "tracker")):
+            record = found.records[name]
+            assert list(record.frames) == [place] and place in record.clocks
+            assert (record.signals["tip"].frame, record.signals["tip"].clock) == (place, place)
+        told = [remark for remark in found.remarks if "is fitted by itself, as tracker-2" in remark]
+        assert len(told) == 2
+
+
+def test_a_frame_that_the_model_names_keeps_its_name():
+    moved = Registration(origin=(3.5, 1.0, 0.5), rpy=(0.0, 0.0, 1.0))
+    records = {"a": swing(arm(*SOFT), FAR, 1), "b": swing(arm(*SOFT), moved, 2)}
+    drifting = arm(*SOFT, {"name": "frame_drift", "at": "tracker", "velocity": [1e-6, 0, 0]})
+    found = check(drifting, records)
+    assert all("tracker" in record.frames for record in found.records.values())
+    assert any("give the frame two names" in remark for remark in found.remarks)
 
 
 @pytest.mark.slow

@@ -35,13 +35,14 @@ from flexarm.record import Signal
 from flexarm.validation.channel import QUASI_STATIC, Channel, orthonormal_columns
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
+from flexarm.validation.unshared import Unshared
 from flexarm.wording import instant, with_unit
 
 
-def remarks_on_shared_clocks(
+def unshared_clocks(
     simulations: Mapping[str, SimulatedRecord], channels: Mapping[str, Sequence[Channel]]
-) -> Iterator[str]:
-    """Report clocks of one name whose delays in two records differ, by the channels of each."""
+) -> Iterator[Unshared]:
+    """Yield clocks of one name whose delays in two records differ, by the channels of each."""
     if len(simulations) < 2:
         return
     found: dict[str, dict[str, tuple[float, float]]] = {}
@@ -63,10 +64,12 @@ def remarks_on_shared_clocks(
         for (one, (a, std_a)), (other, (b, std_b)) in combinations(records.items(), 2):
             step, sigma = abs(a - b), float(np.hypot(std_a, std_b))
             if step > max(POLICY.min_clock_step, POLICY.min_sigmas * sigma):
-                yield (
-                    f"{one} and {other} do not share the clock {clock}: on the model its offset is "
-                    f"{with_unit(a, 's', 3)} in the one and {with_unit(b, 's', 3)} in the other, "
-                    f"+- {with_unit(sigma, 's', 1)}; if it was set anew, give it two names"
+                difference = (
+                    f"on the model its offset is {with_unit(a, 's', 3)} in the one and "
+                    f"{with_unit(b, 's', 3)} in the other, +- {with_unit(sigma, 's', 1)}"
+                )
+                yield Unshared(
+                    "clocks", clock, one, other, difference, "; if it was set anew, give it two names"
                 )
 
 

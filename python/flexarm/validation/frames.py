@@ -40,6 +40,7 @@ from flexarm.measurement.tracker import base_position
 from flexarm.record import Record, Signal
 from flexarm.validation.initial_alignment import initial_alignment
 from flexarm.validation.policy import POLICY
+from flexarm.validation.unshared import Unshared
 from flexarm.wording import with_unit
 
 
@@ -84,8 +85,8 @@ class _Pose:
         return pose
 
 
-def remarks_on_shared_frames(simulations: Mapping[str, SimulatedRecord]) -> Iterator[str]:
-    """Report frames of one name that are not the same in two records."""
+def unshared_frames(simulations: Mapping[str, SimulatedRecord]) -> Iterator[Unshared]:
+    """Yield frames of one name that are not the same in two records."""
     if len(simulations) < 2:
         return
     placements = {name: initial_alignment(simulated) for name, simulated in simulations.items()}
@@ -100,7 +101,11 @@ def remarks_on_shared_frames(simulations: Mapping[str, SimulatedRecord]) -> Iter
             pair = [(simulations[name], seen[name]) for name in (one, other)]
             start = _Pose(*placements[one].frames[frame].in_base)
             if (apart := _apart(pair, start, frame)) is not None:
-                yield f"{one} and {other} do not share the frame {frame}: {apart}"
+                advice = (
+                    ", and gaps told record by record do not show that. If the station or the base was "
+                    "moved, give the frame two names, or state how the base stood in [base]"
+                )
+                yield Unshared("frames", frame, one, other, apart, advice)
 
 
 def _sightings(simulated: SimulatedRecord, placement: Placement, frame: str) -> _Sightings | None:
@@ -141,8 +146,7 @@ def _apart(pair: Sequence[tuple[SimulatedRecord, _Sightings]], start: _Pose, fra
     return (
         f"on the model it stands {with_unit(angle, 'rad', 2)} apart, and tells places "
         f"{with_unit(shift, 'm', 2)} apart; one pose for both leaves {with_unit(together, 'm', 2)} rms, one "
-        f"for each {with_unit(alone, 'm', 2)}, and gaps told record by record do not show that. If the "
-        "station or the base was moved, give the frame two names, or state how the base stood in [base]"
+        f"for each {with_unit(alone, 'm', 2)}"
     )
 
 

@@ -32,7 +32,7 @@ from flexarm.record.step_limit import endless
 from flexarm.record.time_unit import mismatched_durations
 from flexarm.simulation import Progress, reported
 from flexarm.validation.channel import Channel, channels
-from flexarm.validation.clocks import remarks_on_clocks, remarks_on_late_signals, remarks_on_shared_clocks
+from flexarm.validation.clocks import remarks_on_clocks, remarks_on_late_signals, unshared_clocks
 from flexarm.validation.drive_faults import (
     DriveTest,
     apply_known_fault,
@@ -42,7 +42,7 @@ from flexarm.validation.drive_faults import (
 )
 from flexarm.validation.drive_hypotheses import implausible_drives
 from flexarm.validation.finding import RecordFindings, ValidationResult, merge_findings
-from flexarm.validation.frames import remarks_on_frames, remarks_on_shared_frames, remarks_on_unstated_frames
+from flexarm.validation.frames import remarks_on_frames, remarks_on_unstated_frames, unshared_frames
 from flexarm.validation.gain_faults import find_channel_faults
 from flexarm.validation.initial_alignment import initial_alignment, simulate_records
 from flexarm.validation.mirrors import exchanged_axes
@@ -58,6 +58,7 @@ from flexarm.validation.record_remarks import (
     remarks_on_stamps,
 )
 from flexarm.validation.stuck_drives import confirmed_inputs, constant_drive, stuck_drive
+from flexarm.validation.unshared import with_own_names
 
 
 def check(
@@ -168,7 +169,8 @@ def _checked(
     if not faults:
         remarks += [*remarks_on_clocks(simulations, seen), *remarks_on_frames(simulations)]
         remarks += remarks_on_unstated_frames(simulations)
-        remarks += [*remarks_on_shared_frames(simulations), *remarks_on_shared_clocks(simulations, seen)]
+        named, told = _separated(arm, named, simulations, seen)
+        remarks += told
         remarks += remarks_on_late_signals(simulations)
     sure = {
         v.record: confirmed_inputs(arm, named[v.record], v.channels) for v in all_findings if v.drive is None
@@ -195,6 +197,8 @@ def clean_records(
     named = dict(records)
     outliers: list[RemovedOutliers] = []
     remarks: list[str] = []
+    simulations: dict[str, SimulatedRecord] = {}
+    seen: dict[str, list[Channel]] = {}
     for name, record in named.items():
         record, removed, notes = _prepare(arm, name, record, step)
         try:
@@ -202,10 +206,22 @@ def clean_records(
         except InvalidParameter as error:
             raise InvalidParameter(str(error), where=name) from None
         placement = initial_alignment(simulated)
-        named[name], more = clean_evidence(name, simulated, placement, channels(name, simulated, placement))
+        simulations[name], seen[name] = simulated, channels(name, simulated, placement)
+        named[name], more = clean_evidence(name, simulated, placement, seen[name])
         outliers += [*removed, *more]
         remarks += notes
-    return ValidationResult(named, (), tuple(outliers), tuple(remarks))
+    named, told = _separated(arm, named, simulations, seen)
+    return ValidationResult(named, (), tuple(outliers), (*remarks, *told))
+
+
+def _separated(
+    arm: Arm,
+    named: Mapping[str, Record],
+    simulations: Mapping[str, SimulatedRecord],
+    seen: Mapping[str, list[Channel]],
+) -> tuple[dict[str, Record], list[str]]:
+    """Return the records with names of their own for what they do not share, and remarks."""
+    return with_own_names(arm, named, [*unshared_frames(simulations), *unshared_clocks(simulations, seen)])
 
 
 def named_records(records: Mapping[str, Record] | Sequence[Record]) -> dict[str, Record]:
