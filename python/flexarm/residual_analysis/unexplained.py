@@ -272,12 +272,13 @@ def free_decays(pairs: Mapping[str, AlignedRecord]) -> list[FreeDecay]:
             continue
         since = _at_rest_since(pair)
         for signal in pair.simulated.evidence.values():
-            rows = (signal.time > since) & np.isfinite(signal.values).all(axis=1)
+            time = pair.simulated.instants(signal, pair.aligned.placement)  # by the drives' clock
+            rows = (time > since) & np.isfinite(signal.values).all(axis=1)
             if np.count_nonzero(rows) < POLICY.decay_segments * POLICY.decay_periods * POLICY.decay_samples:
                 continue
             values = signal.values[rows]
             strongest = values[:, int(np.argmax(np.var(values, axis=0)))]
-            pieces = tuple(decay_segments(signal.time[rows], strongest))
+            pieces = tuple(decay_segments(time[rows], strongest))
             if len(pieces) >= POLICY.decay_segments:
                 found.append(FreeDecay(name, signal.name, signal.unit, pieces))
     return found
@@ -384,7 +385,7 @@ def _at_rest_since(pair: AlignedRecord) -> float:
     for signal in (pair.record.signals[name] for name in pair.record.drive):
         known = np.isfinite(signal.values[:, 0])
         values, time = signal.values[known, 0], signal.time[known]
-        allowed = max(POLICY.rest * float(np.ptp(values)), 5 * float(np.max(signal.noise_std or 0.0)))
+        allowed = 5 * signal.noise_std if signal.noise_std else POLICY.rest * float(np.ptp(values))
         moved = np.flatnonzero(np.abs(values - np.median(values[-max(len(values) // 20, 1) :])) > allowed)
         if len(moved):
             found = max(found, float(time[moved[-1]]))

@@ -139,16 +139,21 @@ def test_pieces_are_averaged_by_what_they_know():
 # ------------------------------------------------------------------------------------------------- records
 
 
-def pair(x, until=2.0):
-    """A record whose drive moves until an instant, and stands."""
+def pair(x, until=2.0, late=0.0):
+    """A record whose drive moves until an instant, and stands; stamps of the tip may be late."""
     time = np.arange(0.0, 12.0, 0.005)
     angle = np.minimum(time, until) * 0.2
     hinge = Signal(name="hinge", quantity="joint_angle", joint="hinge", side="motor", values=angle, time=time)
     shaken = np.where(time < until, 3.0 * np.sin(9 * time), x(np.maximum(time - until, 0.0)))
     values = np.stack([0.1 * shaken, shaken], axis=1)
-    tip = Signal(name="tip", quantity="position", point="tip", axes=("x", "z"), values=values, time=time)
+    tip = Signal(
+        name="tip", quantity="position", point="tip", axes=("x", "z"), values=values, time=time + late
+    )
     record = Record(signals=[hinge, tip], drive=("hinge",))
-    return SimpleNamespace(record=record, simulated=SimpleNamespace(evidence={"tip": record.signals["tip"]}))
+    simulated = SimpleNamespace(
+        evidence={"tip": record.signals["tip"]}, instants=lambda signal, placement: signal.time - placement
+    )
+    return SimpleNamespace(record=record, simulated=simulated, aligned=SimpleNamespace(placement=late))
 
 
 def test_a_record_rings_down_from_where_its_drive_stands():
@@ -159,6 +164,13 @@ def test_a_record_rings_down_from_where_its_drive_stands():
     assert not found.frequency_moves
     assert not found.damping_moves
     assert describe_free_decays([found]) == ""
+
+
+def test_a_late_clock_takes_no_end_of_the_motion_for_vibration():
+    """By its own stamps the tip still follows the drive for a second after that stands."""
+    (found,) = free_decays({"run": pair(lambda t: np.exp(-0.02 * OMEGA * t) * np.cos(OMEGA * t), late=1.0)})
+    assert found.pieces[0].time == pytest.approx(2.0 + 1.5 / 2.2, abs=0.05)
+    assert not (found.frequency_moves or found.damping_moves)
 
 
 def test_what_moves_with_the_amplitude_is_said_in_a_sentence():
