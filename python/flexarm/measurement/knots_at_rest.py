@@ -96,6 +96,7 @@ def _distances(
     """Return d on each side of the dwells, by (1)."""
     ends = [end for dwell in dwells for end in dwell]
     spans = np.diff([0, *ends, breaks[-1]])  # before, in, between, ..., and after the dwells
+    # of a side, the shorter one of the motion there and the dwell itself
     room = [min(spans[side + side % 2], spans[side // 2 * 2 + 1]) for side in range(len(ends))]
     widest = [2 ** int(np.log2(max(each, 4 * CLOSEST) / 4)) for each in room]
     best: list[tuple[float, int]] = [(np.inf, CLOSEST)] * len(ends)
