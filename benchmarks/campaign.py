@@ -8,8 +8,8 @@ overhead of a campaign of N runs of T s on W workers is
     elapsed W / (N T) - 1                                                                                 (1)
 
 of the tasks alone, once workers are there; their start is told by itself. For 1, 10, 100 ms and 1 s, in
-tasks as `flexarm.campaigns.task_size` sizes them, and one by one. Memory is that of this process, with the
-scheduler, after a tenth of many short tasks and after all of them.
+tasks as `flexarm.campaigns.run_study.task_size` sizes them, and one by one. Memory is that of this process,
+with the scheduler, after a tenth of many short tasks and after all of them.
 
 With `--swing` so many variants of the swing (problem.py) run instead, in the elements and steps that reach
 0.01 mm, and statistics of the tip are kept.
@@ -32,8 +32,8 @@ from flexarm.campaigns.engine import client_of, compute_with
 from flexarm.campaigns.job import Job, Task
 from flexarm.campaigns.outcome import Outcome, Variable
 from flexarm.campaigns.plan import cut
+from flexarm.campaigns.run_study import task_size
 from flexarm.campaigns.store import Store
-from flexarm.campaigns.task_size import task_size
 from flexarm.campaigns.variation import Variation
 
 MODEL = Path(__file__).parents[1] / "examples" / "one_link.toml"

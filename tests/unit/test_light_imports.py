@@ -1,13 +1,17 @@
 """Claims about what a short run loads: packages that take longer to import than the run itself stay away."""
 
+import ast
+import importlib.util
 import json
 import subprocess
 import sys
+from pathlib import Path
 from textwrap import dedent
 
 import pytest
 from arms import paper_arm
 
+ROOT = Path(__file__).parents[2]
 HEAVY = {"h5netcdf", "jinja2", "matplotlib", "meshlane", "pandas", "pyvista", "rich", "scipy", "xarray"}
 NEEDLESS = {
     "flexarm.cli.diagnose",
@@ -82,3 +86,14 @@ def test_a_run_from_the_shell_never_looks_through_all_objects_for_garbage(swing)
         main(["simulate", "arm.toml", "--drive", "swing.csv", "--out", "run"])
     """
     assert last_line(code, swing) == "0 True"
+
+
+@pytest.mark.parametrize("folder", ["benchmarks", "scripts", "examples"])
+def test_what_programs_beside_the_package_import_from_it_is_there(folder):
+    for path in sorted((ROOT / folder).rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "flexarm":
+                module = importlib.import_module(str(node.module))
+                for name in (alias.name for alias in node.names):
+                    found = hasattr(module, name) or importlib.util.find_spec(f"{node.module}.{name}")
+                    assert found, f"{path}: {node.module}.{name}"
