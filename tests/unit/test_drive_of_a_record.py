@@ -8,6 +8,7 @@ import flexarm
 from flexarm.arm.sensor import Sensor
 from flexarm.effects import JointCompliance
 from flexarm.record import Clock, Record, Signal
+from flexarm.validation.sensor_check import check
 
 
 def test_an_accelerometer_at_the_last_sample_reads_the_motion_and_no_stop():
@@ -96,3 +97,19 @@ def test_a_drive_of_unstated_noise_is_smoothed_by_what_its_samples_show():
     assert fastest(read, 0.0) > 1.5 * fastest(true, 0.0)
     assert fastest(read, None) == pytest.approx(fastest(read, 2e-5), rel=0.05)
     assert fastest(read, None) < 1.1 * fastest(true, 0.0)
+
+
+def test_the_noise_that_a_drive_shows_is_told_and_counts_in_check_and_compare():
+    t = np.arange(0, 8, 0.01)
+    read = 0.5 * np.sin(2 * np.pi * 0.25 * t) ** 3 + 2e-5 * np.random.default_rng(4).standard_normal(len(t))
+    arm = crane(effects=[])
+    hinge = Signal(name="hinge", quantity="joint_angle", joint="hinge", time=t, values=read)
+    tip = Signal(
+        name="tip", quantity="position", point="tip", time=t[::10], values=np.ones((80, 3)), noise_std=1.0
+    )
+    record = Record(signals=[hinge, tip], drive=["hinge"])
+    found = check(arm, {"run": record})
+    assert found.records["run"].signals["hinge"].noise_std == pytest.approx(2e-5, rel=0.1)
+    for said in (flexarm.compare(arm, record).notes, found.remarks):
+        assert any("no noise is stated for the drive hinge: the 2" in each for each in said)
+        assert not any("joined as they are" in each for each in said)

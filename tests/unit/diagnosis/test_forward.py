@@ -459,11 +459,12 @@ def test_an_effect_is_held_against_the_model_without_it(search, monkeypatch):
 @pytest.mark.parametrize("error", ["allow_for_input_noise", "allow_for_discretisation_error"])
 def test_errors_of_a_model_are_allowed_for_where_they_may_be_all_that_is_left(search, monkeypatch, error):
     found, asked = search[0], []
+    monkeypatch.setattr(Rows, "expected_cost", lambda *_: 20.0)  # with input noise as large as the rows' own
     for each in ("allow_for_input_noise", "allow_for_discretisation_error"):
         monkeypatch.setattr(module, each, lambda *_: None)
     monkeypatch.setattr(module, error, lambda problem, arm: asked.append(arm))
     about = SimpleNamespace(with_effects=lambda members: "".join(members))
-    for cost in (35.0, 400.0):  # 3.5 and 40 times the noise
+    for cost in (70.0, 400.0):  # 3.5 and 20 times what a right model leaves
         one = SimpleNamespace(members=("a",), cost=cost, places=(), name="a", non_smooth=False)
         module.best_proposed(found, about, [one], found.null)
     assert asked == ["a"]

@@ -12,6 +12,7 @@ from flexarm.residual_analysis.residual_parts import ResidualPart, SignalResidua
 from flexarm.residual_analysis.unexplained import (
     DecaySegment,
     FreeDecay,
+    _at_rest_since,
     decay_segments,
     describe_free_decays,
     fitted_segment,
@@ -171,6 +172,20 @@ def test_a_late_clock_takes_no_end_of_the_motion_for_vibration():
     (found,) = free_decays({"run": pair(lambda t: np.exp(-0.02 * OMEGA * t) * np.cos(OMEGA * t), late=1.0)})
     assert found.pieces[0].time == pytest.approx(2.0 + 1.5 / 2.2, abs=0.05)
     assert not (found.frequency_moves or found.damping_moves)
+
+
+def test_a_move_that_ends_gently_lasts_until_its_noise_hides_it():
+    """A cube of the time left: 0.1 % of 0.4 rad is passed 0.2 s before the end, 5 sigma 0.03 s before."""
+    gentle = pair(lambda t: np.exp(-0.02 * OMEGA * t) * np.cos(OMEGA * t))
+    hinge = gentle.record.signals["hinge"]
+    angle = 0.4 - 0.05 * np.maximum(2.0 - hinge.time, 0.0) ** 3
+    found = {}
+    for noise in (None, 2e-7):
+        signals = {**gentle.record.signals, "hinge": hinge.replace(values=angle, noise_std=noise)}
+        run = SimpleNamespace(**{**vars(gentle), "record": gentle.record.replace(signals=signals)})
+        found[noise] = _at_rest_since(run)
+    assert found[None] == pytest.approx(1.8, abs=0.01)
+    assert found[2e-7] == pytest.approx(1.97, abs=0.01)
 
 
 def test_what_moves_with_the_amplitude_is_said_in_a_sentence():

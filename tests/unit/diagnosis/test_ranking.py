@@ -257,6 +257,26 @@ def test_rivals_that_promise_far_less_are_fitted_beside_a_gap_alone(monkeypatch,
     assert told == [f"alternative {k} of {len(fitted)} to effect 1" for k in range(1, len(fitted) + 1)]
 
 
+def test_a_rival_takes_the_free_shape_of_the_chosen_law_where_that_fits_better(monkeypatch):
+    made = {"plain": Made("rival", 7.0, 1.0), "shaped": Made("rival", 3.0, 1.0)}
+    shaped = SimpleNamespace(kind="shaped")
+    rival = SimpleNamespace(
+        place=("rival", "hinge"), kind="plain", acting_as=lambda _: None, shaped_as=lambda _: shaped
+    )
+    monkeypatch.setattr(alternatives, "screen", lambda *_: [])
+    monkeypatch.setattr(alternatives, "_screened", lambda *_: [rival])
+    monkeypatch.setattr(Criteria, "leaves_gap", lambda *_: True)
+    kept = []
+    monkeypatch.setattr(alternatives, "_refined_model", lambda fit, *_: (kept.append(fit) or fit, 0.0))
+    monkeypatch.setattr(alternatives, "_alternative_model", lambda *_: SimpleNamespace(behind=0.0))
+    nothing = SimpleNamespace(members=(), places=(), cost=9.0)
+    estimator = SimpleNamespace(
+        problem=OBSERVED, fit=lambda _: nothing, trial=lambda members, *_: made[members[0].kind]
+    )
+    alternatives.alternatives_of(0, Made("chosen", 1.0, 1.0), Criteria(OBSERVED, nothing), estimator, [], [])
+    assert kept == [made["shaped"]]
+
+
 def test_the_chosen_one_is_compared_as_it_was_tried():
     first, other = Made("gear_ratio", 7.5, 1.0), Made("encoder_scale", 7.5, 1.0)
     best = Made("gear_ratio", 6.8, 1.0)
