@@ -14,7 +14,7 @@ from flexarm.arm.effect import read_effect
 from flexarm.arm.parameter import parameters
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.policy import SelectionPolicy
-from flexarm.residual_analysis.unexplained import describe_free_decays, free_decays
+from flexarm.residual_analysis.free_decay import describe_free_decays, free_decays
 
 FOLDER = EXAMPLES / "giraf_boom"
 HEADER = "Boom Extension (mm),Applied Force (N),Endpoint Height (mm),Deflection (mm)\n"

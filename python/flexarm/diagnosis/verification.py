@@ -28,9 +28,10 @@ from flexarm.diagnosis.uncertainty import Estimates
 from flexarm.errors import InvalidParameter
 from flexarm.named_effects import Stage, place_text
 from flexarm.record import Record
+from flexarm.residual_analysis.free_decay import describe_free_decays, free_decays
 from flexarm.residual_analysis.localisation import Localisation, localise
 from flexarm.residual_analysis.noise_floor import noise_floor
-from flexarm.residual_analysis.unexplained import describe_free_decays, free_decays, unexplained_residual
+from flexarm.residual_analysis.unexplained import unexplained_residual
 from flexarm.threads import at_once
 
 

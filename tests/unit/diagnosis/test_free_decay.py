@@ -7,9 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexarm import Record, Signal
-from flexarm.residual_analysis.policy import POLICY
-from flexarm.residual_analysis.residual_parts import ResidualPart, SignalResidual
-from flexarm.residual_analysis.unexplained import (
+from flexarm.residual_analysis.free_decay import (
     DecaySegment,
     FreeDecay,
     _at_rest_since,
@@ -17,9 +15,11 @@ from flexarm.residual_analysis.unexplained import (
     describe_free_decays,
     fitted_segment,
     free_decays,
-    unexplained_residual,
     weighted_mean,
 )
+from flexarm.residual_analysis.policy import POLICY
+from flexarm.residual_analysis.residual_parts import ResidualPart, SignalResidual
+from flexarm.residual_analysis.unexplained import unexplained_residual
 
 RNG = np.random.default_rng(31)
 OMEGA = 2 * np.pi * 2.2
