@@ -26,7 +26,7 @@ from flexarm import Arm, Record
 from flexarm.comparison.aligned_record import simulate_record
 from flexarm.diagnosis.result import Diagnosis
 from flexarm.output import output_directory
-from flexarm.residual_analysis.unexplained import FreeDecay, free_decays
+from flexarm.residual_analysis.free_decay import FreeDecay, free_decays
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from data_script import diagnosed, exit_code, page_command_line

@@ -95,5 +95,5 @@ def test_what_programs_beside_the_package_import_from_it_is_there(folder):
             if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "flexarm":
                 module = importlib.import_module(str(node.module))
                 for name in (alias.name for alias in node.names):
-                    found = hasattr(module, name) or importlib.util.find_spec(f"{node.module}.{name}")
-                    assert found, f"{path}: {node.module}.{name}"
+                    inside = hasattr(module, "__path__") and importlib.util.find_spec(f"{node.module}.{name}")
+                    assert hasattr(module, name) or inside, f"{path}: {node.module}.{name}"
